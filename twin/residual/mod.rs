@@ -1,0 +1,3 @@
+//! What predicts the residual `r`.
+
+pub mod lra;
