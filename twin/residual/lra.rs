@@ -3,7 +3,7 @@
 //! In: base forecast `r_hat_base`, regime `g'`, measured residual `r`. Out: [`Adapted`]. State: `W` (d_k × n), `Sigma`
 //! (d_k × d_k), the moving average of the innovation, ticks since the last reset.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Const, DMatrix, DVector, Dyn, OMatrix};
 use serde::{Deserialize, Serialize};
 
 use crate::notation::{Coords, N};
@@ -43,11 +43,14 @@ impl Default for Settings {
     }
 }
 
+/// `W`, d_k × n.
+pub type Weights = OMatrix<f64, Dyn, Const<N>>;
+
 /// The adapter's state.
 #[derive(Clone, Debug)]
 pub struct Adapter {
     scale: Coords,
-    weights: DMatrix<f64>,
+    weights: Weights,
     covariance: DMatrix<f64>,
     innovation_mean: Coords,
     ticks_since_reset: u64,
@@ -59,7 +62,7 @@ impl Adapter {
     pub fn new(d_k: usize, scale: Coords, settings: &Settings) -> Self {
         Self {
             scale,
-            weights: DMatrix::zeros(d_k, N),
+            weights: Weights::zeros(d_k),
             covariance: DMatrix::identity(d_k, d_k) * settings.reset_scale,
             innovation_mean: Coords::zeros(),
             ticks_since_reset: u64::MAX / 2,
@@ -67,7 +70,7 @@ impl Adapter {
     }
 
     /// `W`, d_k × n, in units of the scale.
-    pub fn weights(&self) -> &DMatrix<f64> {
+    pub fn weights(&self) -> &Weights {
         &self.weights
     }
 
@@ -124,8 +127,7 @@ impl Adapter {
         if g.len() != self.weights.nrows() || g.is_empty() {
             return Coords::zeros();
         }
-        let c = self.weights.tr_mul(g);
-        Coords::from_iterator(c.iter().copied())
+        self.weights.tr_mul(g)
     }
 
     /// The new state is computed whole, checked, then assigned. Returns the norm of `K`.
