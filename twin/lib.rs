@@ -5,6 +5,11 @@
 pub mod notation;
 pub mod tick;
 pub mod source;
-pub mod tuning;
+pub mod filter;
+pub mod model;
+pub mod plant;
 pub mod residual;
 pub mod control;
+pub mod task;
+pub mod tuning;
+pub mod flight;

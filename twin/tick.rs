@@ -105,20 +105,34 @@ pub struct Reference {
     pub chi_des_ddot: Coords,
     /// What the gripper shall do.
     pub gripper: GripperCommand,
-    /// Contact with box or table: `r_hat`'s translation rows, the adapter and the reset detector are held.
-    pub hold_adaptation: bool,
+    /// How freely the residual estimate may move at this tick.
+    pub adaptation: Adaptation,
     /// The reference holds the measured pose (allowed in contact only); left out of transport metrics.
     pub follows_measurement: bool,
     /// The payload hangs in the gripper and moves with it: the ticks of `rms_error_e8_transport`.
     pub transporting: bool,
     /// The path runs at its cruise speed: the ticks of `transport_speed_m_s`.
     pub cruising: bool,
-    /// One-time step to subtract from held translation `r_hat` when the payload is put down, N and N m.
+    /// One-time step added to the held `r_hat` when the payload is put down, N and N m.
     pub release_step: Option<Coords>,
+}
+
+/// How freely the residual estimate may move.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Adaptation {
+    /// Follows the adapter.
+    #[default]
+    Free,
+    /// Stays within a window around its value when the window began: a finger that stands on something cannot wind it up.
+    Bounded,
+    /// Held: in contact with box or table. The adapter and its reset detector are held too.
+    Held,
 }
 
 /// What the gripper shall do.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum GripperCommand {
     /// Keep the fingers open.
     #[default]
@@ -319,4 +333,6 @@ pub struct Tick {
     pub fault: Option<Fault>,
     /// The task is finished.
     pub finished: bool,
+    /// Why the task gave up, if it did.
+    pub gave_up: Option<String>,
 }

@@ -79,6 +79,16 @@ impl Adapter {
         &self.covariance
     }
 
+    /// Shifts the weights by the smallest change that moves the correction at `regime` by `step` (N and N m): a known jump,
+    /// such as the weight of a payload that is put down, needs not be learned from its error.
+    pub fn shift(&mut self, regime: &[f64], step: &Coords) {
+        let g = DVector::from_column_slice(regime);
+        let power = g.norm_squared();
+        if g.len() == self.weights.nrows() && power > 0.0 && power.is_finite() && step.iter().all(|v| v.is_finite()) {
+            self.weights += &g * (step.component_div(&self.scale) / power).transpose();
+        }
+    }
+
     /// One step of Algorithm 1, lines 5 to 8. With `frozen` the estimate is given but nothing is learned. A non-finite
     /// input leaves the state as it was.
     pub fn step(
@@ -228,6 +238,16 @@ mod tests {
             .filter(|_| adapter.step(&forecast(&[1.0]), &Coords::repeat(5.0), 0.01, false, &settings).reset)
             .collect();
         assert_eq!(resets.len(), 1, "a collapsed covariance reopens once: {resets:?}");
+    }
+
+    #[test]
+    fn a_shift_moves_the_estimate_by_exactly_its_step() {
+        let settings = Settings::default();
+        let mut adapter = Adapter::new(2, Coords::repeat(2.0), &settings);
+        let before = adapter.step(&forecast(&[1.0, 0.5]), &Coords::zeros(), 0.01, true, &settings).r_hat;
+        adapter.shift(&[1.0, 0.5], &Coords::repeat(-5.0));
+        let after = adapter.step(&forecast(&[1.0, 0.5]), &Coords::zeros(), 0.01, true, &settings).r_hat;
+        assert!((after - before - Coords::repeat(-5.0)).norm() < 1e-12);
     }
 
     #[test]

@@ -1,3 +1,43 @@
-//! What predicts the residual `r`.
+//! What predicts the residual `r` (eq:residual_dynamics).
+//!
+//! In: the history of coordinates, rates and applied force. Out: a [`Forecast`] of `r` and the regime latent `g'`, then the
+//! [`Adapted`](crate::tick::Adapted) estimate of the Latent Residual Adapter.
 
+pub mod gravity;
+pub mod history;
+pub mod label;
 pub mod lra;
+pub mod persistence;
+pub mod random_features;
+
+use crate::notation::Coords;
+use crate::tick::Forecast;
+
+pub use gravity::{Bias, Gravity, None};
+pub use history::History;
+pub use persistence::Persistence;
+pub use random_features::RandomFeatures;
+
+/// Horizon `k` of a forecast: `j = 0..=k`.
+pub const HORIZON: usize = 6;
+
+/// Something that forecasts the residual from the history; deterministic, never fails.
+pub trait Predictor: Send {
+    /// Width `d_k` of the regime latent, 0 if the predictor has none (then the adapter has nothing to learn from).
+    fn regime_len(&self) -> usize;
+
+    /// Forecast for the newest entry of `history`. Non-finite input gives non-finite output, which the flight rejects.
+    fn predict(&mut self, history: &History) -> Forecast;
+}
+
+/// Generalised gravity force of the vehicle as modelled (no payload), `g(chi)`, N and N m.
+pub type GravityModel = Box<dyn Fn(&Coords) -> Coords + Send + Sync>;
+
+/// Standard deviation of the residual per row over excited flight, N and N m: the unit of z-scored innovations of predictors
+/// that have no training set of their own. Source: `twin fly scenarios/hover.toml` with multisine excitation, rounded.
+pub const NOMINAL_SCALE: [f64; 8] = [1.44, 1.24, 1.87, 0.21, 0.62, 0.14, 0.57, 0.30];
+
+/// The same forecast at every step of the horizon.
+fn constant_forecast(base: Coords, regime: Vec<f64>) -> Forecast {
+    Forecast { base: vec![base; HORIZON + 1], regime }
+}

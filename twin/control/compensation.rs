@@ -1,0 +1,115 @@
+//! What happens to `r_hat` between the adapter and the control law: window or hold in contact, clips, low-pass.
+//!
+//! State: the low-pass, and the value at which a window or a hold began.
+
+use crate::filter::LowPass;
+use crate::notation::{Coords, N};
+use crate::tick::{Adaptation, Reference};
+
+use super::Gains;
+
+/// Half width of the window of [`Adaptation::Bounded`], N and N m. Source: grasping study, a finger on the box pushes 2 to 6 N.
+const WINDOW: [f64; N] = [3.0, 3.0, 6.0, 0.4, 0.5, 0.2, 0.8, 0.8];
+
+/// `r_hat` may not leave nominal gravity by more than this, N and N m: a 500 g payload is 5 N, an arm row 2 N m.
+const CLIP: [f64; N] = [8.0, 8.0, 8.0, 2.0, 2.0, 0.6, 2.0, 2.0];
+
+/// The residual estimate on its way to the control law.
+#[derive(Clone, Debug, Default)]
+pub struct Compensation {
+    low_pass: LowPass<N>,
+    centre: Option<Coords>,
+    output: Coords,
+}
+
+impl Compensation {
+    /// `r_hat` in force for this tick.
+    pub fn step(
+        &mut self,
+        r_hat: &Coords,
+        nominal_gravity: &Coords,
+        reference: &Reference,
+        gains: &Gains,
+        dt_s: f64,
+    ) -> Coords {
+        let input = match reference.adaptation {
+            Adaptation::Free => {
+                self.centre = None;
+                *r_hat
+            }
+            Adaptation::Bounded => {
+                let centre = *self.centre.get_or_insert(self.output);
+                let window = Coords::from(WINDOW);
+                r_hat.zip_zip_map(&(centre - window), &(centre + window), f64::clamp)
+            }
+            Adaptation::Held => *self.centre.insert(self.centre_of_hold(reference)),
+        };
+        let input = if gains.clips {
+            let clip = Coords::from(CLIP);
+            input.zip_zip_map(&(nominal_gravity - clip), &(nominal_gravity + clip), f64::clamp)
+        } else {
+            input
+        };
+        self.output = if gains.residual_bandwidth_hz >= 50.0 {
+            self.low_pass.reset();
+            input
+        } else if let Some(step) = reference.release_step {
+            // A known jump passes the low-pass at once.
+            self.low_pass.jump(&(self.output + step));
+            self.output + step
+        } else {
+            self.low_pass.step(&input, gains.residual_bandwidth_hz, dt_s)
+        };
+        self.output
+    }
+
+    fn centre_of_hold(&self, reference: &Reference) -> Coords {
+        self.centre.unwrap_or(self.output) + reference.release_step.unwrap_or_else(Coords::zeros)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::control::Preset;
+    use crate::tick::GripperCommand;
+
+    fn reference(adaptation: Adaptation) -> Reference {
+        let zero = Coords::zeros();
+        Reference {
+            chi_des: zero,
+            chi_des_dot: zero,
+            chi_des_ddot: zero,
+            gripper: GripperCommand::Open,
+            adaptation,
+            follows_measurement: false,
+            transporting: false,
+            cruising: false,
+            release_step: None,
+        }
+    }
+
+    #[test]
+    fn held_compensation_ignores_the_adapter_and_takes_a_known_step() {
+        let gains = Gains::preset(Preset::Tuned);
+        let gravity = Coords::zeros();
+        let mut c = Compensation::default();
+        let before = c.step(&Coords::repeat(0.5), &gravity, &reference(Adaptation::Free), &gains, 0.01);
+        let held = c.step(&Coords::repeat(0.1), &gravity, &reference(Adaptation::Held), &gains, 0.01);
+        assert_eq!(before, held);
+        let step = Reference { release_step: Some(Coords::repeat(-0.2)), ..reference(Adaptation::Held) };
+        let released = c.step(&Coords::repeat(0.5), &gravity, &step, &gains, 0.01);
+        assert!((released - Coords::repeat(0.3)).norm() < 1e-12, "{released}");
+        let after = c.step(&Coords::repeat(0.5), &gravity, &reference(Adaptation::Held), &gains, 0.01);
+        assert!((after - Coords::repeat(0.3)).norm() < 1e-12, "{after}");
+    }
+
+    #[test]
+    fn bounded_compensation_stays_in_its_window() {
+        let gains = Gains { clips: false, residual_bandwidth_hz: 50.0, ..Gains::preset(Preset::Tuned) };
+        let mut c = Compensation::default();
+        c.step(&Coords::zeros(), &Coords::zeros(), &reference(Adaptation::Free), &gains, 0.01);
+        let out = c.step(&Coords::repeat(100.0), &Coords::zeros(), &reference(Adaptation::Bounded), &gains, 0.01);
+        assert_eq!(out, Coords::from(WINDOW));
+    }
+}

@@ -1,0 +1,323 @@
+//! Algorithm 1 of the paper, one tick at a time: the file to read first.
+//!
+//! In: a [`Source`] of measurements, a [`Task`], a [`Predictor`] with its adapter, a [`Controller`]. Out: one [`Tick`] per 10 ms.
+//! State: what those parts hold, the values in force ([`Tuning`]) and the last command. No I/O, no clock, no thread, no
+//! unseeded randomness.
+
+use crate::control::{Controller, Input, Rows};
+use crate::notation::{Coords, MAX_ROTORS, TICK_S};
+use crate::residual::{GravityModel, History, Predictor, label, lra::Adapter};
+use crate::source::{Disturbance, Source};
+use crate::task::{Task, View};
+use crate::tick::{
+    ActuatorCommand, Adaptation, Adapted, ControlState, Event, EventKind, Fault, Forecast, Measurement, Setpoint, Tick,
+};
+use crate::tuning::Tuning;
+
+/// Beyond this pitch Euler angles lose their meaning, rad.
+const PITCH_LIMIT_RAD: f64 = 80.0 * std::f64::consts::PI / 180.0;
+
+/// A stage of one tick, for whoever measures where the time goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// The source advanced: plant, sensors, estimator, inner rows.
+    Source,
+    /// Residual, history and base forecast.
+    Predict,
+    /// Task and reference.
+    Task,
+    /// Latent Residual Adapter.
+    Adapt,
+    /// Control law.
+    Control,
+    /// The tick is put together.
+    Record,
+}
+
+/// The parts a flight is made of.
+pub struct Parts {
+    /// The vehicle.
+    pub source: Box<dyn Source + Send>,
+    /// Base forecast.
+    pub predictor: Box<dyn Predictor>,
+    /// Latent Residual Adapter.
+    pub adapter: Adapter,
+    /// Outer law.
+    pub controller: Box<dyn Controller>,
+    /// Inner rows.
+    pub rows: Rows,
+    /// What to fly.
+    pub task: Box<dyn Task>,
+    /// Gravity of the vehicle without payload.
+    pub gravity: GravityModel,
+    /// Values in force at the start.
+    pub tuning: Tuning,
+    /// Changes of the world by time, s; sorted by the flight.
+    pub schedule: Vec<(f64, Disturbance)>,
+    /// First set-point, before anything was measured.
+    pub setpoint: Setpoint,
+    /// Ticks of history a predictor may look back.
+    pub history_len: usize,
+}
+
+/// A flight in progress.
+pub struct Flight {
+    parts: Parts,
+    history: History,
+    index: u64,
+    setpoint: Setpoint,
+    last_good: Option<Measurement>,
+    actuators: ActuatorCommand,
+    fault: Option<Fault>,
+    notes: Vec<Event>,
+    hash: u64,
+}
+
+impl Flight {
+    /// A flight from its parts, at tick 0.
+    pub fn new(mut parts: Parts) -> Self {
+        parts.schedule.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Self {
+            history: History::new(parts.history_len),
+            index: 0,
+            setpoint: parts.setpoint,
+            last_good: None,
+            actuators: ActuatorCommand {
+                rotor_thrust_n: [0.0; MAX_ROTORS],
+                joint_torque_n_m: nalgebra::Vector2::zeros(),
+                saturated: false,
+            },
+            fault: None,
+            notes: Vec::new(),
+            hash: FNV_OFFSET,
+            parts,
+        }
+    }
+
+    /// The values in force.
+    pub fn tuning(&self) -> &Tuning {
+        &self.parts.tuning
+    }
+
+    /// Replaces the values in force, between ticks.
+    pub fn set_tuning(&mut self, tuning: Tuning) {
+        self.parts.tuning = tuning;
+    }
+
+    /// Changes the world, between ticks.
+    pub fn disturb(&mut self, disturbance: &Disturbance) {
+        self.notes.push(Event::new(EventKind::Disturbance, describe(disturbance)));
+        self.parts.source.disturb(disturbance);
+    }
+
+    /// Puts an event on the next tick.
+    pub fn note(&mut self, event: Event) {
+        self.notes.push(event);
+    }
+
+    /// Hash of everything measured and commanded so far: equal for equal flights.
+    pub fn state_hash(&self) -> u64 {
+        self.hash
+    }
+
+    /// One control period.
+    pub fn tick(&mut self) -> Tick {
+        self.tick_with(&mut |_| {})
+    }
+
+    /// One control period; `done` is told as each stage ends.
+    pub fn tick_with(&mut self, done: &mut dyn FnMut(Stage)) -> Tick {
+        self.apply_schedule();
+        // Line 2: measure. The inner rows run inside.
+        let mut inner = Recording { rows: &mut self.parts.rows, last: self.actuators };
+        let measured = self.parts.source.advance(&self.setpoint, &mut inner);
+        self.actuators = inner.last;
+        let measurement = self.check(measured);
+        done(Stage::Source);
+        // Line 3: residual. Line 4: base forecast and regime.
+        let tuning = self.parts.tuning;
+        let residual = label::residual(&measurement, &tuning.gains.nominal_inertia);
+        self.history.push(measurement.chi, measurement.chi_dot, measurement.tau_applied, residual);
+        let nominal_gravity = (self.parts.gravity)(&measurement.chi);
+        let forecast = self.forecast(&nominal_gravity);
+        done(Stage::Predict);
+        let step = self.parts.task.update(&View { measurement: &measurement, residual: &residual }, TICK_S);
+        done(Stage::Task);
+        // Lines 5 to 8: adapt.
+        if let Some(release_step) = &step.reference.release_step {
+            self.parts.adapter.shift(&forecast.regime, release_step);
+        }
+        let frozen = step.reference.adaptation == Adaptation::Held || self.fault.is_some();
+        let adapted = self.parts.adapter.step(&forecast, &residual, TICK_S, frozen, &tuning.adapter);
+        let r_hat = self.usable(&adapted, &nominal_gravity);
+        done(Stage::Adapt);
+        // Lines 9 to 11: control.
+        let input = Input {
+            measurement: &measurement,
+            reference: &step.reference,
+            r_hat: &r_hat,
+            nominal_gravity: &nominal_gravity,
+            desired_attitude: self.parts.rows.desired_attitude(),
+            dt_s: TICK_S,
+        };
+        let (setpoint, control) = self.parts.controller.control(&input, &tuning.gains);
+        self.accept(setpoint);
+        done(Stage::Control);
+        let tick = self.record(measurement, residual, forecast, adapted, control, step);
+        done(Stage::Record);
+        tick
+    }
+
+    fn apply_schedule(&mut self) {
+        let now_s = self.index as f64 * TICK_S;
+        while self.parts.schedule.first().is_some_and(|(at_s, _)| *at_s <= now_s) {
+            let (_, disturbance) = self.parts.schedule.remove(0);
+            self.disturb(&disturbance);
+        }
+    }
+
+    /// A non-finite measurement is replaced by the last good one and becomes a fault.
+    fn check(&mut self, measured: Measurement) -> Measurement {
+        let finite = [&measured.chi, &measured.chi_dot, &measured.chi_ddot, &measured.tau_applied]
+            .iter()
+            .all(|v| v.iter().all(|x| x.is_finite()));
+        let fault = if !finite {
+            Some(Fault::NonFiniteMeasurement)
+        } else if measured.chi[4].abs() > PITCH_LIMIT_RAD {
+            Some(Fault::PitchBeyondRange)
+        } else {
+            None
+        };
+        self.set_fault(fault);
+        if finite {
+            self.last_good = Some(measured.clone());
+            return measured;
+        }
+        let t_s = measured.t_s;
+        match &self.last_good {
+            Some(good) => Measurement { t_s, ..good.clone() },
+            None => Measurement {
+                chi: Coords::zeros(),
+                chi_dot: Coords::zeros(),
+                chi_ddot: Coords::zeros(),
+                tau_applied: Coords::zeros(),
+                ..measured
+            },
+        }
+    }
+
+    fn set_fault(&mut self, fault: Option<Fault>) {
+        if fault != self.fault {
+            let text = match fault {
+                Some(Fault::NonFiniteMeasurement) => "a measurement is not finite: the last one is held",
+                Some(Fault::NonFinitePrediction) => "the prediction is not finite: nominal gravity is used",
+                Some(Fault::PitchBeyondRange) => "pitch is beyond 80 degrees: adaptation is held",
+                None => "fault is over",
+            };
+            self.notes.push(Event::new(EventKind::Fault, text));
+        }
+        self.fault = fault;
+    }
+
+    fn forecast(&mut self, nominal_gravity: &Coords) -> Forecast {
+        let forecast = self.parts.predictor.predict(&self.history);
+        let finite = forecast.base.iter().all(|r| r.iter().all(|x| x.is_finite()))
+            && forecast.regime.iter().all(|x| x.is_finite());
+        if finite && !forecast.base.is_empty() {
+            return forecast;
+        }
+        if self.fault.is_none() {
+            self.set_fault(Some(Fault::NonFinitePrediction));
+        }
+        Forecast { base: vec![*nominal_gravity; forecast.base.len().max(1)], regime: vec![0.0; forecast.regime.len()] }
+    }
+
+    fn usable(&self, adapted: &Adapted, nominal_gravity: &Coords) -> Coords {
+        if adapted.r_hat.iter().all(|x| x.is_finite()) { adapted.r_hat } else { *nominal_gravity }
+    }
+
+    /// A set-point reaches the inner rows only if it is finite.
+    fn accept(&mut self, setpoint: Setpoint) {
+        let finite = setpoint.force_in_world_n.iter().chain(setpoint.r_hat.iter()).all(|x| x.is_finite())
+            && setpoint.yaw_des.iter().all(|x| x.is_finite())
+            && setpoint.joint_des.iter().all(|x| x.is_finite());
+        if finite {
+            self.setpoint = setpoint;
+        }
+    }
+
+    fn record(
+        &mut self,
+        measurement: Measurement,
+        residual: Coords,
+        forecast: Forecast,
+        adapted: Adapted,
+        control: ControlState,
+        step: crate::task::Step,
+    ) -> Tick {
+        let mut events = std::mem::take(&mut self.notes);
+        events.extend(step.events);
+        if adapted.reset {
+            let text = format!(
+                "covariance reset: mean innovation {:.2} exceeded {:.2}",
+                adapted.innovation_mean_norm, self.parts.tuning.adapter.reset_threshold
+            );
+            events.push(Event::new(EventKind::Reset, text));
+        }
+        for value in measurement.chi.iter().chain(&measurement.chi_dot).chain(&adapted.r_hat).chain(&self.setpoint.r_hat) {
+            self.hash = fnv(self.hash, value.to_bits());
+        }
+        let tick = Tick {
+            index: self.index,
+            measurement,
+            truth: self.parts.source.truth(),
+            reference: step.reference,
+            residual,
+            forecast,
+            adapted,
+            control,
+            setpoint: self.setpoint,
+            actuators: self.actuators,
+            phase: step.phase.to_owned(),
+            events,
+            fault: self.fault,
+            finished: step.finished,
+            gave_up: step.gave_up,
+        };
+        self.index += 1;
+        tick
+    }
+}
+
+/// Remembers the last command of the inner rows.
+struct Recording<'a> {
+    rows: &'a mut Rows,
+    last: ActuatorCommand,
+}
+
+impl crate::source::InnerLoop for Recording<'_> {
+    fn command(&mut self, setpoint: &Setpoint, state: &crate::source::InnerState) -> ActuatorCommand {
+        self.last = self.rows.command(setpoint, state);
+        self.last
+    }
+}
+
+/// FNV-1a, 64 bit.
+const FNV_OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
+const FNV_PRIME: u64 = 0x0100_0000_01b3;
+
+fn fnv(hash: u64, bits: u64) -> u64 {
+    bits.to_le_bytes().iter().fold(hash, |h, byte| (h ^ u64::from(*byte)).wrapping_mul(FNV_PRIME))
+}
+
+fn describe(disturbance: &Disturbance) -> String {
+    match disturbance {
+        Disturbance::PayloadMass { kg } => format!("payload is now {:.0} g", kg * 1e3),
+        Disturbance::Wind { velocity_m_s: v } => format!("wind is now [{:.1} {:.1} {:.1}] m/s", v[0], v[1], v[2]),
+        Disturbance::Push { force_n: f, duration_s } => {
+            format!("push of [{:.1} {:.1} {:.1}] N for {duration_s:.2} s", f[0], f[1], f[2])
+        }
+        Disturbance::DropPayload => "payload dropped".to_owned(),
+        Disturbance::Effect { name, on } => format!("{name} switched {}", if *on { "on" } else { "off" }),
+    }
+}

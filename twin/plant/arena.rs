@@ -1,0 +1,128 @@
+//! Floor, box, table and cube; and the heights of surfaces for the ground effect.
+
+use std::path::Path;
+
+use nalgebra::{Isometry3, Vector3};
+use rapier3d_f64::prelude::*;
+
+use super::articulation::collider;
+use super::convert::{to_pose, to_vector};
+use super::{ArenaSettings, PayloadSettings, PlantError};
+use crate::model::{Robot, Shape, link_poses};
+
+/// Half edge of the floor slab, m.
+const FLOOR_HALF_M: f64 = 20.0;
+
+/// A horizontal surface.
+#[derive(Clone, Copy, Debug)]
+struct Surface {
+    low: [f64; 2],
+    high: [f64; 2],
+    height_m: f64,
+}
+
+/// What stands around the vehicle.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Arena {
+    surfaces: Vec<Surface>,
+    /// The cube, if there is one.
+    pub(super) payload: Option<RigidBodyHandle>,
+    /// Its collider.
+    pub(super) payload_collider: Option<ColliderHandle>,
+    /// Colliders of floor and objects.
+    pub(super) fixed: Vec<ColliderHandle>,
+}
+
+impl Arena {
+    /// Inserts floor, objects (already loaded, in the order of the settings) and the cube at `payload_pose`.
+    pub(super) fn build(
+        world: &mut PhysicsWorld,
+        settings: &ArenaSettings,
+        objects: &[Robot],
+        payload: &PayloadSettings,
+        payload_pose: &Isometry3<f64>,
+    ) -> Result<Self, PlantError> {
+        let mut this = Self::default();
+        let floor = ColliderBuilder::cuboid(FLOOR_HALF_M, FLOOR_HALF_M, 0.5)
+            .translation(Vector::new(0.0, 0.0, -0.5))
+            .friction(settings.friction);
+        this.fixed.push(world.colliders.insert(floor));
+        this.surfaces.push(Surface { low: [-FLOOR_HALF_M; 2], high: [FLOOR_HALF_M; 2], height_m: 0.0 });
+        for (object, robot) in settings.objects.iter().zip(objects) {
+            this.add_object(world, robot, &Vector3::from(object.position_m), settings.friction)?;
+        }
+        if payload.mass_kg > 0.0 {
+            this.add_payload(world, payload, payload_pose);
+        }
+        Ok(this)
+    }
+
+    fn add_object(
+        &mut self,
+        world: &mut PhysicsWorld,
+        robot: &Robot,
+        position: &Vector3<f64>,
+        friction: f64,
+    ) -> Result<(), PlantError> {
+        let world_from_root = Isometry3::translation(position.x, position.y, position.z);
+        let poses = link_poses(robot, &world_from_root, &vec![0.0; robot.joints.len()]);
+        for (link, pose) in robot.links.iter().zip(&poses) {
+            for geometry in &link.collisions {
+                let builder = collider(geometry, pose, &link.name)?.friction(friction);
+                self.fixed.push(world.colliders.insert(builder));
+                if let Shape::Box { size_m: [x, y, z] } = geometry.shape {
+                    let centre = (pose * geometry.origin).translation.vector;
+                    self.surfaces.push(Surface {
+                        low: [centre.x - 0.5 * x, centre.y - 0.5 * y],
+                        high: [centre.x + 0.5 * x, centre.y + 0.5 * y],
+                        height_m: centre.z + 0.5 * z,
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn add_payload(&mut self, world: &mut PhysicsWorld, payload: &PayloadSettings, pose: &Isometry3<f64>) {
+        let half = 0.5 * payload.size_m;
+        let body = RigidBodyBuilder::dynamic()
+            .pose(to_pose(pose))
+            .additional_mass_properties(cube_mass(payload.mass_kg, payload.size_m))
+            .can_sleep(false);
+        let cube = ColliderBuilder::cuboid(half, half, half).density(0.0).friction(payload.friction);
+        let (body, cube) = world.insert(body, cube);
+        (self.payload, self.payload_collider) = (Some(body), Some(cube));
+    }
+
+    /// Changes the mass of the cube between two steps.
+    pub(super) fn set_payload_mass(&self, world: &mut PhysicsWorld, mass_kg: f64, size_m: f64) {
+        if let Some(body) = self.payload.and_then(|handle| world.bodies.get_mut(handle)) {
+            body.set_additional_mass_properties(cube_mass(mass_kg, size_m), true);
+        }
+    }
+
+    /// Height of the highest surface below `point`, m.
+    pub(super) fn height_below(&self, point: &Vector3<f64>) -> f64 {
+        let over = |s: &&Surface| {
+            point.x >= s.low[0] && point.x <= s.high[0] && point.y >= s.low[1] && point.y <= s.high[1]
+        };
+        self.surfaces
+            .iter()
+            .filter(over)
+            .map(|s| s.height_m)
+            .filter(|height| *height <= point.z)
+            .fold(0.0, f64::max)
+    }
+}
+
+/// A homogeneous cube: `I = m a² / 6`.
+fn cube_mass(mass_kg: f64, size_m: f64) -> MassProperties {
+    let i = mass_kg * size_m * size_m / 6.0;
+    MassProperties::new(Vector::ZERO, mass_kg, to_vector(&Vector3::repeat(i)))
+}
+
+/// Loads the URDF of every object of the arena.
+pub(super) fn load_objects(settings: &ArenaSettings, folder: &Path) -> Result<Vec<Robot>, PlantError> {
+    let none = crate::model::Packages(Vec::new());
+    settings.objects.iter().map(|object| Ok(Robot::load(&folder.join(&object.urdf), &none)?)).collect()
+}

@@ -1,0 +1,411 @@
+//! The simulated vehicle as a [`Source`]: ten 1 ms steps per tick, the inner rows every second one.
+
+use nalgebra::{Isometry3, UnitQuaternion, Vector2, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64;
+use rapier3d_f64::prelude::*;
+
+use super::aero::{Aero, Flow, wake_force};
+use super::arena::Arena;
+use super::convert::{from_vector, rotation_matrix, to_vector};
+use super::estimator::{Estimator, stack};
+use super::gripper::{Gripper, apply_joint_properties};
+use super::rotors::{Delay, Rotors};
+use super::sensors::{Sensors, State};
+use super::wind::Wind;
+use super::{Articulation, PlantError, PlantSettings};
+use crate::filter::Butterworth;
+use crate::model::{Robot, Statics};
+use crate::notation::{
+    Coords, GRAVITY_M_S2, MAX_ROTORS, N, TICK_S, body_rate_from_euler_rate, euler_from_rotation, wrap_angle,
+};
+use crate::source::{Disturbance, InnerLoop, InnerState, Source};
+use crate::tick::{ActuatorCommand, GripperReading, Measurement, PayloadReading, Setpoint, Truth};
+
+/// Plant step, s.
+pub(super) const STEP_S: f64 = 1e-3;
+
+/// Plant steps between two calls of the inner rows (500 Hz).
+pub const INNER_STEPS: usize = 2;
+
+/// Corner of the filter pair `H` on acceleration and applied force, Hz: the optimum between noise and lag.
+const RESIDUAL_CORNER_HZ: f64 = 8.0;
+
+/// Drag coefficient of a cube.
+const CUBE_DRAG: f64 = 1.05;
+
+/// Where a flight begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Start {
+    /// Origin of the root link in the world, m.
+    pub position: Vector3<f64>,
+    /// Arm joint angles, rad.
+    pub joints: Vector2<f64>,
+    /// Pose of the payload if it starts in the closed gripper.
+    pub grasped: Option<Vector3<f64>>,
+    /// Rotors turn at hover thrust; otherwise they stand still on the ground.
+    pub airborne: bool,
+}
+
+/// The vehicle, its arena, its sensors.
+pub struct SimulatedVehicle {
+    pub(super) world: PhysicsWorld,
+    pub(super) robot: Robot,
+    pub(super) articulation: Articulation,
+    pub(super) arena: Arena,
+    pub(super) gripper: Option<Gripper>,
+    pub(super) settings: PlantSettings,
+    pub(super) arm: Vec<usize>,
+    pub(super) rotors: Rotors,
+    pub(super) wind_now: Vector3<f64>,
+    aero: Aero,
+    wind: Wind,
+    sensors: Sensors,
+    estimator: Estimator,
+    payload_seen: Option<PayloadReading>,
+    rng: Pcg64,
+    joint_delay: Delay<Vector2<f64>>,
+    command: ActuatorCommand,
+    filter_chi_ddot: Butterworth<N>,
+    filter_tau: Butterworth<N>,
+    push: Option<(Vector3<f64>, f64)>,
+    hover_speed_rad_s: f64,
+    step: u64,
+}
+
+impl SimulatedVehicle {
+    /// The vehicle of `settings` (URDFs already loaded) at `start`, everything random drawn from `seed`.
+    ///
+    /// # Errors
+    /// [`PlantError`] for names that do not exist, tensors or meshes Rapier cannot represent, and too few or many rotors.
+    pub fn new(
+        robot: Robot,
+        objects: &[Robot],
+        settings: PlantSettings,
+        start: &Start,
+        seed: u64,
+    ) -> Result<Self, PlantError> {
+        let vehicle = &settings.vehicle;
+        if vehicle.rotors.len() < 3 || vehicle.rotors.len() > MAX_ROTORS {
+            return Err(PlantError::Rotors { found: vehicle.rotors.len(), max: MAX_ROTORS });
+        }
+        let mut world = new_world(&settings);
+        let mut rng = Pcg64::seed_from_u64(seed);
+        let root = Isometry3::from_parts(start.position.into(), UnitQuaternion::identity());
+        let articulation = Articulation::build(&mut world, &robot, &root)?;
+        let arm = arm_dofs(&robot, &articulation, vehicle)?;
+        let arm_joints: Vec<usize> = arm.iter().map(|dof| articulation.dofs[*dof].joint).collect();
+        apply_joint_properties(&mut world, &articulation, &robot, &arm_joints, vehicle.joint_armature_kg_m2);
+        let gripper = Gripper::build(&mut world, &articulation, &robot, &vehicle.gripper, &vehicle.urdf)?;
+        let positions = initial_joints(&robot, &articulation, &arm, gripper.as_ref(), start, &settings);
+        articulation.set_joint_positions(&mut world, &positions);
+        let payload_pose = payload_pose(&settings, start, &mut rng);
+        let arena = Arena::build(&mut world, &settings.arena, objects, &settings.payload, &payload_pose)?;
+        let payload_kg = if start.grasped.is_some() { settings.payload.mass_kg } else { 0.0 };
+        let hover_n = (robot.total_mass_kg() + payload_kg) * GRAVITY_M_S2 / vehicle.rotors.len() as f64;
+        let rotor_n = if start.airborne { hover_n / vehicle.rotor.thrust_scale } else { 0.0 };
+        let chi = stack(&start.position, &Vector3::zeros(), &start.joints);
+        let statics = Statics::new(&robot, &arm_joints);
+        let mut filter_tau = Butterworth::new(RESIDUAL_CORNER_HZ, STEP_S);
+        filter_tau.settle(&statics.gravity(&chi));
+        let estimator =
+            Estimator::new(start.position, nalgebra::Matrix3::identity(), start.joints, &settings.sensors, STEP_S);
+        Ok(Self {
+            rotors: Rotors::new(&vehicle.rotors, &vehicle.rotor, rotor_n, STEP_S),
+            aero: Aero::new(&settings.aero),
+            wind: Wind::new(&settings.wind),
+            wind_now: Vector3::zeros(),
+            sensors: Sensors::new(&settings.sensors, seed, STEP_S),
+            joint_delay: Delay::new(vehicle.joint_delay_s, STEP_S, Vector2::zeros()),
+            command: ActuatorCommand {
+                rotor_thrust_n: [0.0; MAX_ROTORS],
+                joint_torque_n_m: Vector2::zeros(),
+                saturated: false,
+            },
+            filter_chi_ddot: Butterworth::new(RESIDUAL_CORNER_HZ, STEP_S),
+            hover_speed_rad_s: (hover_n / vehicle.rotor.thrust_coefficient_n_s2).sqrt(),
+            payload_seen: None,
+            push: None,
+            step: 0,
+            filter_tau,
+            world,
+            robot,
+            articulation,
+            arena,
+            gripper,
+            arm,
+            estimator,
+            rng,
+            settings,
+        })
+    }
+
+    /// Mass of the vehicle without payload, kg.
+    pub fn mass_kg(&self) -> f64 {
+        self.robot.total_mass_kg()
+    }
+
+    /// The true state as the sensors see it.
+    pub(super) fn state(&self) -> State {
+        let root = self.articulation.link_pose(&self.world, self.robot.root);
+        let rotation = *root.rotation.to_rotation_matrix().matrix();
+        let body = self.world.bodies.get(self.articulation.bodies[0].handle);
+        let (com_velocity, omega_world) = body
+            .map_or((Vector3::zeros(), Vector3::zeros()), |b| (from_vector(b.linvel()), from_vector(b.angvel())));
+        let com = body.map_or_else(Vector3::zeros, |b| from_vector(b.center_of_mass()));
+        let position = root.translation.vector;
+        let mut joint = Vector2::zeros();
+        let mut joint_dot = Vector2::zeros();
+        for (row, dof) in self.arm.iter().enumerate() {
+            (joint[row], joint_dot[row]) = self.articulation.joint_state(&self.world, *dof);
+        }
+        let payload = self.arena.payload.and_then(|handle| self.world.bodies.get(handle)).map(|b| {
+            let r = rotation_matrix(b.position().rotation);
+            PayloadReading {
+                position_in_world: from_vector(b.position().translation),
+                yaw_rad: r[(1, 0)].atan2(r[(0, 0)]),
+            }
+        });
+        State {
+            rotation,
+            position,
+            velocity: com_velocity + omega_world.cross(&(position - com)),
+            omega: rotation.transpose() * omega_world,
+            joint,
+            joint_dot,
+            payload,
+        }
+    }
+
+    /// One 1 ms step of the world under the command in force.
+    fn step_world(&mut self, state: &State, setpoint: &Setpoint) {
+        let t_s = self.step as f64 * STEP_S;
+        self.wind_now = self.wind.step(t_s, state.velocity.norm(), STEP_S, &mut self.rng);
+        self.rotors.step(self.command.rotor_thrust_n, STEP_S);
+        let torque = self.joint_delay.step(self.command.joint_torque_n_m);
+        self.articulation.clear_forces(&mut self.world);
+        // Forces are held over the step in the world frame: apply them at the attitude of mid-step.
+        let middle = nalgebra::Rotation3::new(state.omega * (0.5 * STEP_S));
+        let rotation = state.rotation * middle.matrix();
+        let flow =
+            Flow { rotation, position: state.position, velocity: state.velocity, wind: self.wind_now };
+        let thrust_n = self.aero.thrust_near_surfaces(&self.rotors, &flow, &self.arena);
+        let (collective, moment) = self.rotors.wrench(&thrust_n);
+        let (drag, unsteady) = self.aero.step(&flow, &self.rotors, &thrust_n, STEP_S, &mut self.rng);
+        let force = rotation * Vector3::new(0.0, 0.0, collective) + drag + self.take_push();
+        let moment = rotation * (moment + unsteady);
+        if let Some(root) = self.world.bodies.get_mut(self.articulation.bodies[0].handle) {
+            root.add_force_at_point(to_vector(&force), to_vector(&state.position), true);
+            root.add_torque(to_vector(&moment), true);
+        }
+        for (row, dof) in self.arm.iter().enumerate() {
+            self.articulation.apply_joint_effort(&mut self.world, *dof, torque[row]);
+        }
+        self.apply_wake(&flow);
+        if let Some(gripper) = &mut self.gripper {
+            gripper.drive(&mut self.world, &self.articulation, setpoint.gripper);
+        }
+        self.world.step();
+        self.step += 1;
+    }
+
+    fn take_push(&mut self) -> Vector3<f64> {
+        match &mut self.push {
+            Some((force, left_s)) if *left_s > 0.0 => {
+                *left_s -= STEP_S;
+                *force
+            }
+            _ => Vector3::zeros(),
+        }
+    }
+
+    /// Downwash on arm links and payload.
+    fn apply_wake(&mut self, flow: &Flow) {
+        let area = self.settings.aero.link_drag_area_m2;
+        for dof in &self.arm {
+            let handle = self.articulation.bodies[self.articulation.dofs[*dof].child].handle;
+            if let Some(body) = self.world.bodies.get_mut(handle) {
+                let com = body.center_of_mass();
+                let wake = self.aero.wake_at(&from_vector(com), flow, &self.rotors);
+                body.add_force_at_point(to_vector(&wake_force(&wake, area)), com, true);
+            }
+        }
+        if let Some(body) = self.arena.payload.and_then(|handle| self.world.bodies.get_mut(handle)) {
+            let wake = self.aero.wake_at(&from_vector(body.position().translation), flow, &self.rotors);
+            let drag_area = CUBE_DRAG * self.settings.payload.size_m.powi(2);
+            body.reset_forces(false);
+            body.add_force(to_vector(&wake_force(&wake, drag_area)), true);
+        }
+    }
+
+    /// Sensors, estimator and the filter pair `H` after a step.
+    fn sense(&mut self, state: &State) -> (Coords, Coords) {
+        let speeds = std::array::from_fn(|i| self.rotors.speed_rad_s(i));
+        let imu = self.sensors.imu(state, &speeds, self.hover_speed_rad_s);
+        self.estimator.predict(&imu);
+        if let Some(mocap) = self.sensors.mocap(state) {
+            self.estimator.correct(&mocap);
+            self.payload_seen = mocap.payload;
+        }
+        let (joint, joint_dot, fresh) = self.sensors.encoders(state);
+        self.estimator.encoders(joint, joint_dot, fresh);
+        let tau = self.modelled_force();
+        (self.filter_chi_ddot.step(&self.estimator.chi_ddot()), self.filter_tau.step(&tau))
+    }
+
+    /// `tau = [R e3 T ; E^T m ; tau_q]` from the modelled rotor thrusts and the measured attitude.
+    fn modelled_force(&self) -> Coords {
+        let (collective, moment) = self.rotors.wrench(&self.rotors.modelled_thrust_n);
+        let force = self.estimator.rotation() * Vector3::new(0.0, 0.0, collective);
+        let tau_eta = body_rate_from_euler_rate(&self.estimator.eta()).transpose() * moment;
+        stack(&force, &tau_eta, &self.command.joint_torque_n_m)
+    }
+}
+
+impl Source for SimulatedVehicle {
+    fn advance(&mut self, setpoint: &Setpoint, inner: &mut dyn InnerLoop) -> Measurement {
+        let mut saturated = false;
+        let mut filtered = (Coords::zeros(), Coords::zeros());
+        let steps = (TICK_S / STEP_S).round() as usize;
+        let mut state = self.state();
+        for step in 0..steps {
+            if step % INNER_STEPS == 0 {
+                let (chi, chi_dot) = (self.estimator.chi(), self.estimator.chi_dot());
+                let view = InnerState {
+                    eta: chi.fixed_rows::<3>(3).into_owned(),
+                    eta_dot: chi_dot.fixed_rows::<3>(3).into_owned(),
+                    joint: chi.fixed_rows::<2>(6).into_owned(),
+                    joint_dot: chi_dot.fixed_rows::<2>(6).into_owned(),
+                };
+                self.command = inner.command(setpoint, &view);
+                saturated |= self.command.saturated;
+            }
+            self.step_world(&state, setpoint);
+            state = self.state();
+            filtered = self.sense(&state);
+        }
+        Measurement {
+            t_s: self.step as f64 * STEP_S,
+            chi: self.estimator.chi(),
+            chi_dot: self.estimator.chi_dot(),
+            chi_ddot: filtered.0,
+            tau_applied: filtered.1,
+            gripper: self
+                .gripper
+                .as_ref()
+                .map_or_else(GripperReading::default, |g| g.reading(&self.world, &self.articulation)),
+            payload: self.payload_seen,
+            saturated,
+        }
+    }
+
+    fn truth(&self) -> Option<Truth> {
+        Some(super::truth::truth(self))
+    }
+
+    fn disturb(&mut self, disturbance: &Disturbance) {
+        match disturbance {
+            Disturbance::PayloadMass { kg } => {
+                self.settings.payload.mass_kg = *kg;
+                self.arena.set_payload_mass(&mut self.world, *kg, self.settings.payload.size_m);
+            }
+            Disturbance::Wind { velocity_m_s } => self.wind.settings.velocity_m_s = *velocity_m_s,
+            Disturbance::Push { force_n, duration_s } => self.push = Some((Vector3::from(*force_n), *duration_s)),
+            Disturbance::DropPayload => {
+                // The cube turns slippery: it leaves the closed fingers by its weight.
+                let colliders = self.gripper.iter().flat_map(|g| g.pads.clone()).chain(self.arena.payload_collider);
+                for handle in colliders {
+                    if let Some(collider) = self.world.colliders.get_mut(handle) {
+                        collider.set_friction(0.0);
+                    }
+                }
+            }
+            Disturbance::Effect { name, on } => {
+                self.aero.switch(name, *on);
+            }
+        }
+    }
+}
+
+/// Rapier with the measured settings: stiff contacts, no recycling, gravity along -z.
+fn new_world(settings: &PlantSettings) -> PhysicsWorld {
+    let mut world = PhysicsWorld { gravity: Vector::new(0.0, 0.0, -GRAVITY_M_S2), ..PhysicsWorld::default() };
+    let parameters = &mut world.integration_parameters;
+    parameters.dt = STEP_S;
+    parameters.num_solver_iterations = settings.contact.iterations;
+    parameters.num_internal_pgs_iterations = 1;
+    parameters.num_internal_stabilization_iterations = 1;
+    parameters.contact_recycling = false;
+    parameters.contact_softness = SpringCoefficients::new(settings.contact.frequency_hz, 1.0);
+    parameters.static_contact_softness = SpringCoefficients::new(settings.contact.static_frequency_hz, 1.0);
+    world
+}
+
+/// Degrees of freedom of the arm joints that have rows.
+fn arm_dofs(
+    robot: &Robot,
+    articulation: &Articulation,
+    vehicle: &super::VehicleSettings,
+) -> Result<Vec<usize>, PlantError> {
+    vehicle
+        .arm_joints
+        .iter()
+        .map(|name| {
+            let joint = robot.joint(name);
+            articulation.dofs.iter().position(|dof| Some(dof.joint) == joint).ok_or_else(|| PlantError::UnknownName {
+                key: "vehicle.arm_joints",
+                file: vehicle.urdf.clone(),
+                what: "moving joint",
+                name: name.clone(),
+                available: articulation
+                    .dofs
+                    .iter()
+                    .map(|dof| robot.joints[dof.joint].name.as_str())
+                    .collect::<Vec<_>>()
+                    .join(", "),
+            })
+        })
+        .collect()
+}
+
+/// Joint positions at the start: arm as asked, fingers open, or on the payload.
+fn initial_joints(
+    robot: &Robot,
+    articulation: &Articulation,
+    arm: &[usize],
+    gripper: Option<&Gripper>,
+    start: &Start,
+    settings: &PlantSettings,
+) -> Vec<f64> {
+    let mut positions = vec![0.0; articulation.dofs.len()];
+    for (row, dof) in arm.iter().enumerate() {
+        positions[*dof] = start.joints[row];
+    }
+    for dof in gripper.iter().flat_map(|g| g.fingers()) {
+        let joint = &robot.joints[articulation.dofs[*dof].joint];
+        positions[*dof] = if start.grasped.is_some() { 0.5 * settings.payload.size_m } else { joint.upper };
+    }
+    positions
+}
+
+/// Start pose of the cube with its seeded scatter.
+fn payload_pose(settings: &PlantSettings, start: &Start, rng: &mut Pcg64) -> Isometry3<f64> {
+    let payload = &settings.payload;
+    let mut scatter = || payload.position_spread_m * (2.0 * rng.random::<f64>() - 1.0);
+    let shift = Vector3::new(scatter(), scatter(), 0.0);
+    let normal: f64 = StandardNormal.sample(rng);
+    let yaw = payload.yaw_std_rad * normal;
+    match start.grasped {
+        Some(position) => Isometry3::translation(position.x, position.y, position.z),
+        None => Isometry3::new(Vector3::from(payload.position_m) + shift, Vector3::z() * yaw),
+    }
+}
+
+/// True coordinates with yaw nearest to `psi_near`.
+pub(super) fn true_coordinates(state: &State, psi_near: f64) -> (Coords, Coords) {
+    let mut eta = euler_from_rotation(&state.rotation);
+    eta.z = psi_near + wrap_angle(eta.z - psi_near);
+    let eta_dot = crate::notation::euler_rate_from_body_rate(&eta) * state.omega;
+    (stack(&state.position, &eta, &state.joint), stack(&state.velocity, &eta_dot, &state.joint_dot))
+}

@@ -1,0 +1,21 @@
+//! Persistence: the residual stays what it was. As a controller this is time-delay control (TDC); as a prediction it is the
+//! baseline every table must beat.
+
+use super::{History, Predictor, constant_forecast};
+use crate::notation::Coords;
+use crate::tick::Forecast;
+
+/// `r_hat(t+j|t) = r_{t-1}` for every `j`.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Persistence;
+
+impl Predictor for Persistence {
+    fn regime_len(&self) -> usize {
+        0
+    }
+
+    fn predict(&mut self, history: &History) -> Forecast {
+        let base = history.newest().map_or_else(Coords::zeros, |entry| entry.residual_previous);
+        constant_forecast(base, Vec::new())
+    }
+}

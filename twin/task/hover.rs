@@ -1,0 +1,46 @@
+//! Hold a posture: the simplest task, for tuning, wind and payload steps.
+
+use nalgebra::{Vector2, Vector3};
+
+use super::motion::{Motion, Posture};
+use super::{Step, Task, View};
+use crate::tick::{Adaptation, GripperCommand, Reference};
+
+/// Hovers at one posture for a time.
+#[derive(Clone, Debug)]
+pub struct Hover {
+    motion: Motion,
+    duration_s: f64,
+    gripper: GripperCommand,
+}
+
+impl Hover {
+    /// At `position` (m) with the arm at `joints` (rad) for `duration_s`.
+    pub fn new(position: Vector3<f64>, joints: Vector2<f64>, duration_s: f64, gripper: GripperCommand) -> Self {
+        let posture = Posture::new(position.x, position.y, position.z, 0.0, joints.x, joints.y);
+        Self { motion: Motion::new(posture), duration_s, gripper }
+    }
+}
+
+impl Task for Hover {
+    fn update(&mut self, view: &View<'_>, _dt_s: f64) -> Step {
+        let (chi_des, chi_des_dot, chi_des_ddot) = self.motion.coordinates();
+        Step {
+            reference: Reference {
+                chi_des,
+                chi_des_dot,
+                chi_des_ddot,
+                gripper: self.gripper,
+                adaptation: Adaptation::Free,
+                follows_measurement: false,
+                transporting: self.gripper == GripperCommand::Close,
+                cruising: false,
+                release_step: None,
+            },
+            phase: "hover",
+            events: Vec::new(),
+            finished: view.measurement.t_s >= self.duration_s,
+            gave_up: None,
+        }
+    }
+}

@@ -1,0 +1,45 @@
+//! What to fly: a task turns measurements into references, and says when a phase ends.
+//!
+//! In: measurement and measured residual. Out: [`Step`] with the [`Reference`] of this tick. Tasks see measured signals only,
+//! never the truth.
+
+pub mod quintic;
+pub mod motion;
+pub mod path;
+pub mod hover;
+pub mod pick_place;
+
+use crate::notation::Coords;
+use crate::tick::{Event, Measurement, Reference};
+
+pub use hover::Hover;
+pub use pick_place::{Mission, PickPlace};
+
+/// What a task sees at one tick.
+pub struct View<'a> {
+    /// Measurement of this tick.
+    pub measurement: &'a Measurement,
+    /// Measured residual `r_t`, N and N m.
+    pub residual: &'a Coords,
+}
+
+/// What a task says at one tick.
+#[derive(Clone, Debug)]
+pub struct Step {
+    /// What to fly now.
+    pub reference: Reference,
+    /// Name of the phase.
+    pub phase: &'static str,
+    /// What happened.
+    pub events: Vec<Event>,
+    /// The task is done.
+    pub finished: bool,
+    /// Why the task cannot be done, if it gave up.
+    pub gave_up: Option<String>,
+}
+
+/// Something to fly; deterministic.
+pub trait Task: Send {
+    /// One tick of `dt_s`.
+    fn update(&mut self, view: &View<'_>, dt_s: f64) -> Step;
+}
