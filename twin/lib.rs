@@ -3,6 +3,7 @@
 //! Units are SI and radians everywhere; frames and symbols are in [`notation`]. Read `flight.rs` first.
 
 pub mod notation;
+pub mod model;
 pub mod tick;
 pub mod source;
 pub mod tuning;
