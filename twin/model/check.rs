@@ -9,74 +9,13 @@ use std::path::Path;
 use roxmltree::{Document, Node};
 
 use super::ModelError;
+use super::numbers::{NUMBERS, Number};
 
 /// Deepest element nesting; URDF needs six, the recursive readers behind it stand far more.
 const MAX_DEPTH: usize = 32;
 
-/// Largest magnitude of a length, angle, mass or inertia; anything beyond is a slip in the unit or the exponent.
-const MAX_MAGNITUDE: f64 = 1e6;
-
 /// Joint kinds the twin simulates.
 const KINDS: [&str; 4] = ["fixed", "revolute", "continuous", "prismatic"];
-
-#[derive(Clone, Copy, PartialEq)]
-enum Range {
-    Bounded,
-    Positive,
-    NotNegative,
-    NotZero,
-    Unit,
-    Finite,
-}
-
-struct Number {
-    element: &'static str,
-    attribute: &'static str,
-    count: usize,
-    range: Range,
-    required: bool,
-}
-
-const fn number(
-    element: &'static str,
-    attribute: &'static str,
-    count: usize,
-    range: Range,
-    required: bool,
-) -> Number {
-    Number { element, attribute, count, range, required }
-}
-
-/// Every numeric attribute of a link or a joint.
-const NUMBERS: &[Number] = &[
-    number("origin", "xyz", 3, Range::Bounded, false),
-    number("origin", "rpy", 3, Range::Bounded, false),
-    number("origin", "quat_xyzw", 4, Range::Bounded, false),
-    number("mass", "value", 1, Range::Positive, true),
-    number("inertia", "ixx", 1, Range::Bounded, true),
-    number("inertia", "ixy", 1, Range::Bounded, true),
-    number("inertia", "ixz", 1, Range::Bounded, true),
-    number("inertia", "iyy", 1, Range::Bounded, true),
-    number("inertia", "iyz", 1, Range::Bounded, true),
-    number("inertia", "izz", 1, Range::Bounded, true),
-    number("box", "size", 3, Range::Positive, true),
-    number("cylinder", "radius", 1, Range::Positive, true),
-    number("cylinder", "length", 1, Range::Positive, true),
-    number("capsule", "radius", 1, Range::Positive, true),
-    number("capsule", "length", 1, Range::Positive, true),
-    number("sphere", "radius", 1, Range::Positive, true),
-    number("mesh", "scale", 3, Range::NotZero, false),
-    number("color", "rgba", 4, Range::Unit, true),
-    number("axis", "xyz", 3, Range::Bounded, true),
-    number("limit", "lower", 1, Range::Finite, false),
-    number("limit", "upper", 1, Range::Finite, false),
-    number("limit", "effort", 1, Range::NotNegative, true),
-    number("limit", "velocity", 1, Range::NotNegative, true),
-    number("dynamics", "damping", 1, Range::NotNegative, false),
-    number("dynamics", "friction", 1, Range::NotNegative, false),
-    number("mimic", "multiplier", 1, Range::Bounded, false),
-    number("mimic", "offset", 1, Range::Bounded, false),
-];
 
 /// A URDF as XML, with the means to say where something stands.
 pub(super) struct Source<'a> {
@@ -267,16 +206,12 @@ impl<'a> Source<'a> {
         rule: &Number,
         text: &str,
     ) -> Result<(), ModelError> {
-        let values: Vec<Option<f64>> =
-            text.split_whitespace().map(|word| word.parse().ok()).collect();
-        let good = |value: &Option<f64>| value.is_some_and(|value| rule.range.contains(value));
-        if values.len() == rule.count && values.iter().all(good) {
+        if rule.accepts(text) {
             return Ok(());
         }
         let found = format!("<{} {}={text:?}>", rule.element, rule.attribute);
-        let plural = if rule.count == 1 { "" } else { "s" };
-        let allowed = format!("{} finite number{plural}, {}", rule.count, rule.range.words());
-        Err(self.refuse(node, found, allowed, "URDF is in m, kg, rad, N; correct the value"))
+        let remedy = "URDF is in m, kg, rad, N; correct the value";
+        Err(self.refuse(node, found, rule.allowed(), remedy))
     }
 
     /// The attribute, or the error that it is missing.
@@ -300,31 +235,6 @@ impl<'a> Source<'a> {
                 let found = format!("a second <{name}> in <{}>", name_of(node));
                 Err(self.refuse(second, found, format!("one <{name}>"), "remove one of them"))
             }
-        }
-    }
-}
-
-impl Range {
-    fn contains(self, value: f64) -> bool {
-        let bounded = value.abs() <= MAX_MAGNITUDE;
-        match self {
-            Range::Bounded => bounded,
-            Range::Positive => bounded && value > 0.0,
-            Range::NotZero => bounded && value != 0.0,
-            Range::NotNegative => value.is_finite() && value >= 0.0,
-            Range::Unit => (0.0..=1.0).contains(&value),
-            Range::Finite => value.is_finite(),
-        }
-    }
-
-    fn words(self) -> &'static str {
-        match self {
-            Range::Bounded => "of magnitude up to 1e6",
-            Range::Positive => "above 0 and up to 1e6",
-            Range::NotZero => "not 0, of magnitude up to 1e6",
-            Range::NotNegative => "0 or above",
-            Range::Unit => "each in 0..=1",
-            Range::Finite => "of either sign",
         }
     }
 }

@@ -11,7 +11,10 @@ mod inertia;
 mod kinematics;
 mod load;
 mod mesh;
+mod numbers;
 mod packages;
+#[cfg(test)]
+mod refusals;
 mod statics;
 #[cfg(test)]
 mod tests;
