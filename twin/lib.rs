@@ -9,3 +9,4 @@ pub mod source;
 pub mod tuning;
 pub mod residual;
 pub mod control;
+pub mod scenario;

@@ -1,0 +1,8 @@
+//! One TOML file, one flight, one verdict.
+
+mod document;
+pub mod file;
+mod limits;
+mod merge;
+
+pub use file::ScenarioError;
