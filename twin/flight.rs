@@ -10,7 +10,7 @@ use crate::residual::{GravityModel, History, Predictor, label, lra::Adapter};
 use crate::source::{Disturbance, Source};
 use crate::task::{Task, View};
 use crate::tick::{
-    ActuatorCommand, Adaptation, Adapted, ControlState, Event, EventKind, Fault, Forecast, Measurement, Setpoint, Tick,
+    ActuatorCommand, Adaptation, Adapted, ControlState, Event, EventKind, Fault, Forecast, Measurement, Reference, Setpoint, Tick,
 };
 use crate::tuning::Tuning;
 
@@ -58,6 +58,8 @@ pub struct Parts {
     pub setpoint: Setpoint,
     /// Ticks of history a predictor may look back.
     pub history_len: usize,
+    /// Residual, adapter and control law run every so many ticks (1: at 100 Hz).
+    pub outer_divisor: u64,
 }
 
 /// A flight in progress.
@@ -71,6 +73,9 @@ pub struct Flight {
     fault: Option<Fault>,
     notes: Vec<Event>,
     hash: u64,
+    outer: Option<Outer>,
+    /// A release step not yet seen by the outer loop.
+    release: Option<Coords>,
 }
 
 impl Flight {
@@ -90,6 +95,8 @@ impl Flight {
             fault: None,
             notes: Vec::new(),
             hash: FNV_OFFSET,
+            outer: None,
+            release: None,
             parts,
         }
     }
@@ -134,38 +141,58 @@ impl Flight {
         self.actuators = inner.last;
         let measurement = self.check(measured);
         done(Stage::Source);
-        // Line 3: residual. Line 4: base forecast and regime.
+        let residual = label::residual(&measurement, &self.parts.tuning.gains.nominal_inertia);
+        let step = self.parts.task.update(&View { measurement: &measurement, residual: &residual }, TICK_S);
+        self.release = step.reference.release_step.or(self.release);
+        done(Stage::Task);
+        let outer = match self.outer.take() {
+            Some(outer) if !self.index.is_multiple_of(self.parts.outer_divisor) => outer.held(residual),
+            _ => self.outer(&measurement, residual, &step.reference, done),
+        };
+        self.outer = Some(outer.clone());
+        let tick = self.record(measurement, outer, step);
+        done(Stage::Record);
+        tick
+    }
+
+    /// Lines 3 to 11: residual, forecast, adaptation, control.
+    fn outer(
+        &mut self,
+        measurement: &Measurement,
+        residual: Coords,
+        reference: &Reference,
+        done: &mut dyn FnMut(Stage),
+    ) -> Outer {
         let tuning = self.parts.tuning;
-        let residual = label::residual(&measurement, &tuning.gains.nominal_inertia);
+        let dt_s = TICK_S * self.parts.outer_divisor as f64;
+        // Line 3: residual into the history. Line 4: base forecast and regime.
         self.history.push(measurement.chi, measurement.chi_dot, measurement.tau_applied, residual);
         let nominal_gravity = (self.parts.gravity)(&measurement.chi);
         let forecast = self.forecast(&nominal_gravity);
         done(Stage::Predict);
-        let step = self.parts.task.update(&View { measurement: &measurement, residual: &residual }, TICK_S);
-        done(Stage::Task);
         // Lines 5 to 8: adapt.
-        if let Some(release_step) = &step.reference.release_step {
+        let mut reference = *reference;
+        reference.release_step = self.release.take();
+        if let Some(release_step) = &reference.release_step {
             self.parts.adapter.shift(&forecast.regime, release_step);
         }
-        let frozen = step.reference.adaptation == Adaptation::Held || self.fault.is_some();
-        let adapted = self.parts.adapter.step(&forecast, &residual, TICK_S, frozen, &tuning.adapter);
-        let r_hat = self.usable(&adapted, &nominal_gravity);
+        let frozen = reference.adaptation == Adaptation::Held || self.fault.is_some();
+        let adapted = self.parts.adapter.step(&forecast, &residual, dt_s, frozen, &tuning.adapter);
+        let r_hat = usable(&adapted, &nominal_gravity);
         done(Stage::Adapt);
         // Lines 9 to 11: control.
         let input = Input {
-            measurement: &measurement,
-            reference: &step.reference,
+            measurement,
+            reference: &reference,
             r_hat: &r_hat,
             nominal_gravity: &nominal_gravity,
             desired_attitude: self.parts.rows.desired_attitude(),
-            dt_s: TICK_S,
+            dt_s,
         };
         let (setpoint, control) = self.parts.controller.control(&input, &tuning.gains);
         self.accept(setpoint);
         done(Stage::Control);
-        let tick = self.record(measurement, residual, forecast, adapted, control, step);
-        done(Stage::Record);
-        tick
+        Outer { residual, forecast, adapted, control }
     }
 
     fn apply_schedule(&mut self) {
@@ -232,10 +259,6 @@ impl Flight {
         Forecast { base: vec![*nominal_gravity; forecast.base.len().max(1)], regime: vec![0.0; forecast.regime.len()] }
     }
 
-    fn usable(&self, adapted: &Adapted, nominal_gravity: &Coords) -> Coords {
-        if adapted.r_hat.iter().all(|x| x.is_finite()) { adapted.r_hat } else { *nominal_gravity }
-    }
-
     /// A set-point reaches the inner rows only if it is finite.
     fn accept(&mut self, setpoint: Setpoint) {
         let finite = setpoint.force_in_world_n.iter().chain(setpoint.r_hat.iter()).all(|x| x.is_finite())
@@ -246,15 +269,8 @@ impl Flight {
         }
     }
 
-    fn record(
-        &mut self,
-        measurement: Measurement,
-        residual: Coords,
-        forecast: Forecast,
-        adapted: Adapted,
-        control: ControlState,
-        step: crate::task::Step,
-    ) -> Tick {
+    fn record(&mut self, measurement: Measurement, outer: Outer, step: crate::task::Step) -> Tick {
+        let Outer { residual, forecast, adapted, control } = outer;
         let mut events = std::mem::take(&mut self.notes);
         events.extend(step.events);
         if adapted.reset {
@@ -287,6 +303,29 @@ impl Flight {
         self.index += 1;
         tick
     }
+}
+
+/// Result of the outer loop, held between its periods.
+#[derive(Clone)]
+struct Outer {
+    residual: Coords,
+    forecast: Forecast,
+    adapted: Adapted,
+    control: ControlState,
+}
+
+impl Outer {
+    /// The same a tick later: nothing new but the measured residual.
+    fn held(mut self, residual: Coords) -> Self {
+        self.residual = residual;
+        self.adapted.reset = false;
+        self
+    }
+}
+
+/// The adapted estimate, or nominal gravity if it is not finite.
+fn usable(adapted: &Adapted, nominal_gravity: &Coords) -> Coords {
+    if adapted.r_hat.iter().all(|x| x.is_finite()) { adapted.r_hat } else { *nominal_gravity }
 }
 
 /// Remembers the last command of the inner rows.

@@ -1,7 +1,5 @@
 //! Floor, box, table and cube; and the heights of surfaces for the ground effect.
 
-use std::path::Path;
-
 use nalgebra::{Isometry3, Vector3};
 use rapier3d_f64::prelude::*;
 
@@ -119,10 +117,4 @@ impl Arena {
 fn cube_mass(mass_kg: f64, size_m: f64) -> MassProperties {
     let i = mass_kg * size_m * size_m / 6.0;
     MassProperties::new(Vector::ZERO, mass_kg, to_vector(&Vector3::repeat(i)))
-}
-
-/// Loads the URDF of every object of the arena.
-pub(super) fn load_objects(settings: &ArenaSettings, folder: &Path) -> Result<Vec<Robot>, PlantError> {
-    let none = crate::model::Packages(Vec::new());
-    settings.objects.iter().map(|object| Ok(Robot::load(&folder.join(&object.urdf), &none)?)).collect()
 }

@@ -26,9 +26,6 @@ use crate::tick::{ActuatorCommand, GripperReading, Measurement, PayloadReading, 
 /// Plant step, s.
 pub(super) const STEP_S: f64 = 1e-3;
 
-/// Plant steps between two calls of the inner rows (500 Hz).
-pub const INNER_STEPS: usize = 2;
-
 /// Corner of the filter pair `H` on acceleration and applied force, Hz: the optimum between noise and lag.
 const RESIDUAL_CORNER_HZ: f64 = 8.0;
 
@@ -44,8 +41,8 @@ pub struct Start {
     pub joints: Vector2<f64>,
     /// Pose of the payload if it starts in the closed gripper.
     pub grasped: Option<Vector3<f64>>,
-    /// Rotors turn at hover thrust; otherwise they stand still on the ground.
-    pub airborne: bool,
+    /// Plant steps of 1 ms between two calls of the inner rows.
+    pub inner_steps: u64,
 }
 
 /// The vehicle, its arena, its sensors.
@@ -72,6 +69,7 @@ pub struct SimulatedVehicle {
     push: Option<(Vector3<f64>, f64)>,
     hover_speed_rad_s: f64,
     step: u64,
+    inner_steps: u64,
 }
 
 impl SimulatedVehicle {
@@ -104,7 +102,7 @@ impl SimulatedVehicle {
         let arena = Arena::build(&mut world, &settings.arena, objects, &settings.payload, &payload_pose)?;
         let payload_kg = if start.grasped.is_some() { settings.payload.mass_kg } else { 0.0 };
         let hover_n = (robot.total_mass_kg() + payload_kg) * GRAVITY_M_S2 / vehicle.rotors.len() as f64;
-        let rotor_n = if start.airborne { hover_n / vehicle.rotor.thrust_scale } else { 0.0 };
+        let rotor_n = hover_n / vehicle.rotor.thrust_scale;
         let chi = stack(&start.position, &Vector3::zeros(), &start.joints);
         let statics = Statics::new(&robot, &arm_joints);
         let mut filter_tau = Butterworth::new(RESIDUAL_CORNER_HZ, STEP_S);
@@ -128,6 +126,7 @@ impl SimulatedVehicle {
             payload_seen: None,
             push: None,
             step: 0,
+            inner_steps: start.inner_steps.max(1),
             filter_tau,
             world,
             robot,
@@ -269,8 +268,8 @@ impl Source for SimulatedVehicle {
         let mut filtered = (Coords::zeros(), Coords::zeros());
         let steps = (TICK_S / STEP_S).round() as usize;
         let mut state = self.state();
-        for step in 0..steps {
-            if step % INNER_STEPS == 0 {
+        for _ in 0..steps {
+            if self.step.is_multiple_of(self.inner_steps) {
                 let (chi, chi_dot) = (self.estimator.chi(), self.estimator.chi_dot());
                 let view = InnerState {
                     eta: chi.fixed_rows::<3>(3).into_owned(),

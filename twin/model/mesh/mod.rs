@@ -1,0 +1,62 @@
+//! Triangle meshes from STL and OBJ files. Own readers: those on the registry panic on broken files.
+
+mod obj;
+mod stl;
+
+use std::path::Path;
+
+use super::Shape;
+
+/// What is wrong, and what to do.
+pub(super) type Finding = (String, String);
+
+/// A mesh as its file holds it.
+#[derive(Debug, Default, PartialEq)]
+pub(super) struct Triangles {
+    vertices: Vec<[f64; 3]>,
+    triangles: Vec<[u32; 3]>,
+}
+
+impl Triangles {
+    /// The shape, each axis multiplied; a mirrored mesh keeps its outside outside.
+    pub(super) fn scaled(mut self, scale: [f64; 3]) -> Shape {
+        for vertex in &mut self.vertices {
+            *vertex = [0, 1, 2].map(|axis| vertex[axis] * scale[axis]);
+        }
+        if scale.iter().product::<f64>() < 0.0 {
+            self.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+        }
+        Shape::Mesh { vertices: self.vertices, triangles: self.triangles }
+    }
+
+    fn push(&mut self, corners: [[f64; 3]; 3]) {
+        let first = self.vertices.len() as u32;
+        self.vertices.extend(corners);
+        self.triangles.push([first, first + 1, first + 2]);
+    }
+}
+
+/// The triangles in the file `path`, by its extension.
+pub(super) fn read(path: &Path) -> Result<Triangles, Finding> {
+    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or("");
+    let reader = match extension.to_ascii_lowercase().as_str() {
+        "stl" => stl::parse,
+        "obj" => obj::parse,
+        _ => {
+            let remedy = "allowed: .stl, .obj; convert the mesh".into();
+            return Err((format!("unknown extension {extension:?}"), remedy));
+        }
+    };
+    let bytes = std::fs::read(path).map_err(|error| {
+        let remedy = "check the path, or name its package in the vehicle's packages".into();
+        (format!("cannot read {}: {error}", path.display()), remedy)
+    })?;
+    let mesh = reader(&bytes).map_err(|found| (found, "export the mesh again".to_owned()))?;
+    if mesh.triangles.is_empty() {
+        return Err(("no triangles".into(), "export the mesh with its faces".into()));
+    }
+    if mesh.vertices.iter().flatten().any(|coordinate| !coordinate.is_finite()) {
+        return Err(("a corner is not finite".into(), "export the mesh again".into()));
+    }
+    Ok(mesh)
+}

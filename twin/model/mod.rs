@@ -1,0 +1,228 @@
+//! The vehicle, or a piece of scenery, as its URDF describes it: links, joints, inertias, shapes, kinematics, gravity.
+//!
+//! Nothing here knows the simulator. Frames follow URDF: a link's frame is its parent joint's frame, moved by the joint;
+//! the vehicle's body frame is the root link's frame. SI units, radians.
+//!
+//! A URDF is read twice on purpose: [`check`] reads the raw XML, because only there a missing `<inertial>` differs from
+//! a zero one and only there a finding has a line; `load` then takes the values from `urdf-rs`.
+
+mod check;
+mod inertia;
+mod kinematics;
+mod load;
+mod mesh;
+mod numbers;
+mod packages;
+#[cfg(test)]
+mod refusals;
+mod statics;
+#[cfg(test)]
+mod tests;
+mod tree;
+
+use std::path::PathBuf;
+
+use nalgebra::{Isometry3, Matrix3, Vector3};
+use serde::Serialize;
+
+pub use kinematics::{Arm, link_poses};
+pub use packages::Packages;
+pub use statics::Statics;
+
+/// A tree of links and joints.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Robot {
+    /// `<robot name>`.
+    pub name: String,
+    /// Links in the order of the file.
+    pub links: Vec<Link>,
+    /// Joints in topological order: a joint comes after the joint that moves its parent link.
+    pub joints: Vec<Joint>,
+    /// Index into `links` of the one link that is no joint's child.
+    pub root: usize,
+}
+
+/// A rigid body or a massless frame fixed to one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Link {
+    /// Unique among links.
+    pub name: String,
+    /// All zero for a massless frame.
+    pub inertial: Inertial,
+    /// What is drawn, in the link frame.
+    pub visuals: Vec<Geometry>,
+    /// What touches, in the link frame.
+    pub collisions: Vec<Geometry>,
+}
+
+/// Mass properties of one link.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Inertial {
+    /// Mass, kg.
+    pub mass_kg: f64,
+    /// Centre of mass in the link frame, m.
+    pub com_in_link: Vector3<f64>,
+    /// Inertia about the centre of mass, in the axes of the link frame (`<inertial>` rpy applied), kg m².
+    pub inertia_in_link: Matrix3<f64>,
+}
+
+/// A shape, its place and its colour.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Geometry {
+    /// `link_from_shape`, m.
+    pub origin: Isometry3<f64>,
+    /// The shape in its own frame.
+    pub shape: Shape,
+    /// Red, green, blue, alpha in 0..=1; grey where the file names no colour.
+    pub rgba: [f32; 4],
+}
+
+/// A solid; cylinders and capsules lie along z, all but meshes are centred on their origin.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Shape {
+    /// A cuboid.
+    Box {
+        /// Full edge lengths along x, y, z, m.
+        size_m: [f64; 3],
+    },
+    /// A circular cylinder along z.
+    Cylinder {
+        /// Radius, m.
+        radius_m: f64,
+        /// Full length along z, m.
+        length_m: f64,
+    },
+    /// A ball.
+    Sphere {
+        /// Radius, m.
+        radius_m: f64,
+    },
+    /// A cylinder along z closed by two half balls.
+    Capsule {
+        /// Radius, m.
+        radius_m: f64,
+        /// Length of the cylindrical part along z, m.
+        length_m: f64,
+    },
+    /// Triangles, scale applied.
+    Mesh {
+        /// Corners, m.
+        vertices: Vec<[f64; 3]>,
+        /// Indices into `vertices`, counter-clockwise from outside.
+        triangles: Vec<[u32; 3]>,
+    },
+}
+
+/// What ties a child link to its parent link.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Joint {
+    /// Unique among joints.
+    pub name: String,
+    /// How it moves.
+    pub kind: JointKind,
+    /// Index of the parent link.
+    pub parent: usize,
+    /// Index of the child link.
+    pub child: usize,
+    /// `parent_from_joint` at position zero, m.
+    pub origin: Isometry3<f64>,
+    /// Unit axis in the joint frame.
+    pub axis: Vector3<f64>,
+    /// Smallest position, rad or m; minus infinity where the joint has no limit.
+    pub lower: f64,
+    /// Largest position, rad or m; infinity where the joint has no limit.
+    pub upper: f64,
+    /// Largest torque or force, N m or N; infinity where the joint has no limit.
+    pub effort: f64,
+    /// Largest speed, rad/s or m/s; infinity where the joint has no limit.
+    pub velocity: f64,
+    /// Viscous damping, N m s/rad or N s/m.
+    pub damping: f64,
+    /// Dry friction, N m or N.
+    pub friction: f64,
+    /// The joint this one copies, if any.
+    pub mimic: Option<Mimic>,
+}
+
+/// How a joint moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum JointKind {
+    /// Not at all.
+    Fixed,
+    /// Turns about its axis between limits.
+    Revolute,
+    /// Turns about its axis without limits.
+    Continuous,
+    /// Slides along its axis between limits.
+    Prismatic,
+}
+
+/// `position = multiplier * leader's position + offset`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mimic {
+    /// Index of the leading joint, which itself copies none.
+    pub joint: usize,
+    /// Ratio of the positions.
+    pub multiplier: f64,
+    /// Position at the leader's zero, rad or m.
+    pub offset: f64,
+}
+
+impl Robot {
+    /// Index of the link called `name`.
+    pub fn link(&self, name: &str) -> Option<usize> {
+        self.links.iter().position(|link| link.name == name)
+    }
+
+    /// Index of the joint called `name`.
+    pub fn joint(&self, name: &str) -> Option<usize> {
+        self.joints.iter().position(|joint| joint.name == name)
+    }
+
+    /// Sum of the links' masses, kg.
+    pub fn total_mass_kg(&self) -> f64 {
+        self.links.iter().map(|link| link.inertial.mass_kg).sum()
+    }
+}
+
+/// Why a URDF is not usable.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ModelError {
+    /// The file cannot be opened or is not text.
+    #[error("{}: {reason}; expected a readable URDF file in UTF-8, check the path", .file.display())]
+    Unreadable {
+        /// The URDF.
+        file: PathBuf,
+        /// The system's words.
+        reason: String,
+    },
+    /// Something in the file is not allowed.
+    #[error("{}:{line}: {found}; allowed: {allowed}; {remedy}", .file.display())]
+    Refused {
+        /// The URDF.
+        file: PathBuf,
+        /// Line of the element, from 1.
+        line: u32,
+        /// What stands there.
+        found: String,
+        /// What may stand there.
+        allowed: String,
+        /// What to do.
+        remedy: String,
+    },
+    /// A mesh the URDF names cannot be used.
+    #[error("{}:{line}: mesh {mesh:?}: {found}; {remedy}", .file.display())]
+    Mesh {
+        /// The URDF.
+        file: PathBuf,
+        /// Line of the `<mesh>` element, from 1.
+        line: u32,
+        /// The reference as written.
+        mesh: String,
+        /// What is wrong.
+        found: String,
+        /// What to do.
+        remedy: String,
+    },
+}

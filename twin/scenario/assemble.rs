@@ -1,0 +1,287 @@
+//! From settings to the parts of a flight.
+
+use nalgebra::{Vector2, Vector3};
+
+use super::settings::{ControllerKind, PathShape, PredictorKind, Settings, StartKind, TaskKind, Units};
+use super::{BuildError, Scenario};
+use crate::control::{Adaptive, Allocation, Controller, Gains, Pid, Preset, Rotor, Rows};
+use crate::flight::{Flight, Parts};
+use crate::model::{Arm, Packages, Robot, Statics};
+use crate::notation::{Coords, GRAVITY_M_S2};
+use crate::plant::{SimulatedVehicle, Start};
+use crate::residual::{
+    Bias, Gravity, GravityModel, NOMINAL_SCALE, None as NoPrediction, Persistence, Predictor, RandomFeatures, lra,
+};
+use crate::task::path::Curve;
+use crate::task::{Hover, Mission, PickPlace, Task};
+use crate::tick::{GripperCommand, RowGains, Setpoint};
+use crate::tuning::{Tuning, TuningError};
+
+/// Ticks of history kept for predictors, `T_l`.
+const HISTORY_LEN: usize = 120;
+
+/// Reset threshold of the `tuned` preset: 1.5 × the 99.9 % quantile of the mean innovation over a payload-free flight, printed by
+/// `twin fly scenarios/hover.toml --headless` as `innovation_mean_q999`.
+const TUNED_RESET_THRESHOLD: f64 = 3.2;
+
+/// The vehicle and arena files, read.
+pub(super) struct Models {
+    pub(super) robot: Robot,
+    pub(super) objects: Vec<Robot>,
+}
+
+/// Reads every model file of the scenario.
+pub(super) fn models(scenario: &Scenario) -> Result<Models, BuildError> {
+    let settings = &scenario.settings;
+    let folder = scenario.folder();
+    let packages = settings
+        .vehicle
+        .packages
+        .iter()
+        .map(|pair| match pair.split_once('=') {
+            Some((name, path)) if !name.is_empty() && !path.is_empty() => Ok((name.to_owned(), folder.join(path))),
+            _ => Err(BuildError::Unfit {
+                key: "vehicle.packages",
+                reason: format!("found {pair:?}, expected \"name=folder\""),
+            }),
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    let packages = Packages(packages);
+    let robot = Robot::load(&folder.join(&settings.vehicle.urdf), &packages)?;
+    let load = |object: &crate::plant::ArenaObject| Robot::load(&folder.join(&object.urdf), &packages);
+    let objects = settings.arena.objects.iter().map(load).collect::<Result<Vec<_>, _>>()?;
+    Ok(Models { robot, objects })
+}
+
+/// The flight of a scenario at its first tick.
+pub(super) fn flight(scenario: &Scenario) -> Result<Flight, BuildError> {
+    let settings = &scenario.settings;
+    let Models { robot, objects } = models(scenario)?;
+    let arm_joints = arm_joints(settings, &robot)?;
+    let arm = arm(settings, &robot, &arm_joints)?;
+    let start = start(settings, &arm)?;
+    let tuning = tuning(settings)?;
+    let gravity = || -> GravityModel {
+        let statics = Statics::new(&robot, &arm_joints);
+        Box::new(move |chi: &Coords| statics.gravity(chi))
+    };
+    let predictor = predictor(settings, &gravity);
+    let scale = match settings.predictor.units {
+        Units::ZScore => Coords::from(NOMINAL_SCALE),
+        Units::Physical => Coords::repeat(1.0),
+    };
+    let adapter = lra::Adapter::new(predictor.regime_len(), scale, &tuning.adapter);
+    let weight_n = robot.total_mass_kg() * GRAVITY_M_S2;
+    let setpoint = first_setpoint(&tuning.gains, &start, weight_n);
+    let rows = rows(settings, &robot, &arm_joints)?;
+    let controller: Box<dyn Controller> = match settings.controller.kind {
+        ControllerKind::Adaptive => Box::new(Adaptive::default()),
+        ControllerKind::Pid => Box::new(Pid::default()),
+    };
+    let gravity = gravity();
+    let task = task(settings, arm);
+    let source = SimulatedVehicle::new(robot, &objects, settings.plant(), &start, settings.seed)?;
+    Ok(Flight::new(Parts {
+        source: Box::new(source),
+        predictor,
+        adapter,
+        controller,
+        rows,
+        task,
+        gravity,
+        tuning,
+        schedule: settings.disturbances.iter().map(|d| (d.at_s, d.disturbance.clone())).collect(),
+        setpoint,
+        history_len: HISTORY_LEN,
+        outer_divisor: u64::from(settings.controller.outer_divisor.max(1)),
+    }))
+}
+
+fn arm_joints(settings: &Settings, robot: &Robot) -> Result<Vec<usize>, BuildError> {
+    let names = &settings.vehicle.arm_joints;
+    if names.len() > 2 {
+        let reason = format!("{} joints given, at most two have rows; leave the others out", names.len());
+        return Err(BuildError::Unfit { key: "vehicle.arm_joints", reason });
+    }
+    names
+        .iter()
+        .map(|name| {
+            robot.joint(name).ok_or_else(|| BuildError::Unfit {
+                key: "vehicle.arm_joints",
+                reason: format!(
+                    "the URDF has no joint {name:?}; it has {}",
+                    robot.joints.iter().map(|j| j.name.as_str()).collect::<Vec<_>>().join(", ")
+                ),
+            })
+        })
+        .collect()
+}
+
+fn arm(settings: &Settings, robot: &Robot, joints: &[usize]) -> Result<Arm, BuildError> {
+    let tool = if settings.vehicle.tool_link.is_empty() {
+        robot.root
+    } else {
+        robot.link(&settings.vehicle.tool_link).ok_or_else(|| BuildError::Unfit {
+            key: "vehicle.tool_link",
+            reason: format!(
+                "the URDF has no link {:?}; it has {}",
+                settings.vehicle.tool_link,
+                robot.links.iter().map(|l| l.name.as_str()).collect::<Vec<_>>().join(", ")
+            ),
+        })?
+    };
+    Ok(Arm::new(robot, joints, tool))
+}
+
+fn start(settings: &Settings, arm: &Arm) -> Result<Start, BuildError> {
+    let steps = 1000.0 / settings.controller.inner_hz;
+    if steps.fract() != 0.0 || steps < 1.0 {
+        let reason = format!("{} Hz does not divide the plant's 1000 Hz", settings.controller.inner_hz);
+        return Err(BuildError::Unfit { key: "controller.inner_hz", reason });
+    }
+    let position = Vector3::from(settings.task.start_position_m);
+    let joints = Vector2::from(match settings.task.kind {
+        TaskKind::PickPlace => settings.task.transit_joints_rad,
+        TaskKind::Hover => settings.task.grasp_joints_rad,
+    });
+    let grasped = (settings.task.start == StartKind::Grasped)
+        .then(|| position + arm.tool_in_body(&joints).translation.vector);
+    Ok(Start { position, joints, grasped, inner_steps: steps as u64 })
+}
+
+fn predictor(settings: &Settings, gravity: &dyn Fn() -> GravityModel) -> Box<dyn Predictor> {
+    match settings.predictor.kind {
+        PredictorKind::None => Box::new(NoPrediction),
+        PredictorKind::Gravity => Box::new(Gravity::new(gravity())),
+        PredictorKind::Persistence => Box::new(Persistence),
+        PredictorKind::Bias => Box::new(Bias::new(gravity())),
+        PredictorKind::RandomFeatures => {
+            Box::new(RandomFeatures::new(gravity(), settings.predictor.features, settings.predictor.seed))
+        }
+    }
+}
+
+/// The values a preset stands for; scenario overrides not applied.
+pub(super) fn preset_tuning(_settings: &Settings, preset: Preset) -> Tuning {
+    let mut adapter = lra::Settings::default();
+    match preset {
+        Preset::Literal => adapter.trace_cap_per_feature = f64::MAX,
+        Preset::Paper => {}
+        Preset::Tuned => adapter.reset_threshold = TUNED_RESET_THRESHOLD,
+    }
+    Tuning { gains: Gains::preset(preset), adapter }
+}
+
+/// The values in force at the start: the preset, then what the scenario overrides.
+pub(super) fn tuning(settings: &Settings) -> Result<Tuning, TuningError> {
+    let gains = &settings.gains;
+    let mut tuning = preset_tuning(settings, gains.preset);
+    if let Some(law) = gains.inner_law {
+        tuning.gains.inner_law = law;
+    }
+    for (stem, values) in [("slope", gains.slope), ("damping", gains.damping)] {
+        for (row, value) in crate::notation::ROWS.iter().zip(values.iter().flatten()) {
+            tuning.set(&format!("{stem}.{row}"), *value)?;
+        }
+    }
+    for (name, value) in &gains.scalars {
+        tuning.set(name, *value)?;
+    }
+    Ok(tuning)
+}
+
+fn rows(settings: &Settings, robot: &Robot, arm_joints: &[usize]) -> Result<Rows, BuildError> {
+    let rotor = &settings.vehicle.rotor;
+    let rotors: Vec<Rotor> = settings
+        .vehicle
+        .rotors
+        .iter()
+        .map(|place| Rotor {
+            position_in_body: Vector3::from(place.position_m),
+            torque_per_thrust_m: -place.spin * rotor.torque_ratio_m,
+        })
+        .collect();
+    if rotor.min_thrust_n >= rotor.max_thrust_n {
+        let reason = format!("{} N is not below vehicle.rotor.max_thrust_n", rotor.min_thrust_n);
+        return Err(BuildError::Unfit { key: "vehicle.rotor.min_thrust_n", reason });
+    }
+    let limit = |row: usize| arm_joints.get(row).map_or(0.0, |joint| robot.joints[*joint].effort);
+    Ok(Rows::new(
+        Allocation::new(&rotors, rotor.min_thrust_n, rotor.max_thrust_n),
+        Vector3::from(settings.controller.attitude_inertia_kg_m2),
+        Vector2::new(limit(0), limit(1)),
+        1.0 / settings.controller.inner_hz,
+    ))
+}
+
+fn first_setpoint(gains: &Gains, start: &Start, weight_n: f64) -> Setpoint {
+    Setpoint {
+        force_in_world_n: Vector3::new(0.0, 0.0, weight_n),
+        yaw_des: [0.0; 3],
+        joint_des: start.joints,
+        joint_des_dot: Vector2::zeros(),
+        joint_des_ddot: Vector2::zeros(),
+        r_hat: Coords::zeros(),
+        sliding_norm: 1.0,
+        robust_gain: 0.0,
+        rows: RowGains {
+            law: gains.inner_law,
+            slope: gains.slope,
+            damping: gains.damping,
+            nominal_inertia: gains.nominal_inertia,
+            boundary_layer: gains.boundary_layer,
+        },
+        gripper: if start.grasped.is_some() { GripperCommand::Close } else { GripperCommand::Open },
+    }
+}
+
+fn task(settings: &Settings, arm: Arm) -> Box<dyn Task> {
+    let task = &settings.task;
+    let position = Vector3::from(task.start_position_m);
+    match task.kind {
+        TaskKind::Hover => {
+            let gripper = match task.start {
+                StartKind::Grasped => GripperCommand::Close,
+                StartKind::Hover => GripperCommand::Open,
+            };
+            Box::new(Hover::new(position, Vector2::from(task.grasp_joints_rad), task.duration_s, gripper))
+        }
+        TaskKind::PickPlace => {
+            let path = &task.path;
+            let curve = match path.shape {
+                PathShape::S => Curve::S {
+                    from: path.origin_m,
+                    length_m: path.length_m,
+                    sway_m: path.sway_m,
+                    rise_m: path.rise_m,
+                    bob_m: path.bob_m,
+                },
+                PathShape::FigureEight => Curve::FigureEight {
+                    centre: path.origin_m,
+                    a_m: path.half_length_m,
+                    b_m: path.half_width_m,
+                    laps: path.laps,
+                },
+            };
+            let mission = Mission {
+                start: position,
+                path: curve,
+                speed_m_s: task.speed_m_s,
+                place: Vector3::from(task.place_position_m),
+                cube_size_m: settings.payload.size_m,
+                least_payload_kg: LEAST_PAYLOAD_KG,
+                opening_m: OPENING_M,
+                grasp_joints: Vector2::from(task.grasp_joints_rad),
+                transit_joints: Vector2::from(task.transit_joints_rad),
+                retry_limit: task.retry_limit,
+            };
+            Box::new(PickPlace::new(mission, arm))
+        }
+    }
+}
+
+/// Lightest payload a lift is checked against, kg.
+const LEAST_PAYLOAD_KG: f64 = 0.1;
+
+/// Distance between the open pads, m.
+const OPENING_M: f64 = 0.110;
