@@ -148,3 +148,66 @@ proptest! {
         prop_assert!((arm.tool_velocity_in_body(&q, &q_dot) - oracle).norm() < DIFFERENCE);
     }
 }
+
+/// Two links in an awkward order; the second's inertia is written in axes turned by 90° about z.
+const PAIR: &str = r#"<robot name="pair">
+  <link name="child"><inertial><origin xyz="1 2 3" rpy="0 0 1.5707963267948966"/><mass value="1"/>
+    <inertia ixx="1" ixy="0.1" ixz="0.2" iyy="2" iyz="0.3" izz="2.5"/></inertial>
+    <visual><geometry><mesh filename="package://pair/m/one.stl" scale="2 2 -2"/></geometry><material name="late"/></visual></link>
+  <link name="grandchild"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
+  <joint name="b" type="continuous"><parent link="child"/><child link="grandchild"/><axis xyz="0 0 2"/>
+    <mimic joint="a" multiplier="-2" offset="0.5"/></joint>
+  <joint name="a" type="continuous"><parent link="base"/><child link="child"/><axis xyz="0 0 1"/></joint>
+  <link name="base"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
+  <material name="late"><color rgba="0.25 0.5 0.75 1"/></material>
+</robot>"#;
+
+const ONE_STL: &str = "solid one\nfacet normal 0 0 1\nouter loop\nvertex 0 0 1\nvertex 1 0 1\nvertex 0 1 1\nendloop\nendfacet\nendsolid one\n";
+
+fn load_pair() -> Robot {
+    let folder = std::env::temp_dir().join(format!("twin-model-{}", std::process::id()));
+    std::fs::create_dir_all(folder.join("share/m")).unwrap();
+    std::fs::write(folder.join("share/m/one.stl"), ONE_STL).unwrap();
+    std::fs::write(folder.join("pair.urdf"), PAIR).unwrap();
+    let packages = Packages(vec![("pair".into(), folder.join("share"))]);
+    let robot = Robot::load(&folder.join("pair.urdf"), &packages);
+    std::fs::remove_dir_all(&folder).unwrap();
+    robot.unwrap()
+}
+
+#[test]
+fn order_inertia_mimic_colour_and_mesh_are_read() {
+    let robot = load_pair();
+    let names: Vec<&str> = robot.joints.iter().map(|joint| &*joint.name).collect();
+    assert_eq!((names, &*robot.links[robot.root].name), (vec!["a", "b"], "base"));
+    assert_eq!(robot.joints[1].mimic, Some(Mimic { joint: 0, multiplier: -2.0, offset: 0.5 }));
+    assert!(robot.joints[0].effort.is_infinite() && robot.joints[0].velocity.is_infinite());
+
+    // Axes x' = y and y' = -x by hand: Ixx = Iy'y', Iyy = Ix'x', Ixy = -Ix'y', Ixz = -Iy'z', Iyz = Ix'z'.
+    let oracle = nalgebra::Matrix3::new(2.0, -0.1, -0.3, -0.1, 1.0, 0.2, -0.3, 0.2, 2.5);
+    let child = &robot.links[0];
+    assert!((child.inertial.inertia_in_link - oracle).norm() < ROUNDING);
+    assert!((child.inertial.com_in_link - Vector3::new(1.0, 2.0, 3.0)).norm() < ROUNDING);
+
+    // a turns by 0.3, b by 0.5 - 2 * 0.3.
+    let poses = link_poses(&robot, &Isometry3::identity(), &[0.3, 9.0]);
+    let (_, _, yaw) = poses[1].rotation.euler_angles();
+    assert!((yaw - (0.3 + 0.5 - 0.6)).abs() < ROUNDING, "{yaw}");
+
+    let drawn = &child.visuals[0];
+    let vertices = vec![[0.0, 0.0, -2.0], [2.0, 0.0, -2.0], [0.0, 2.0, -2.0]];
+    // Mirrored: the corners turn the other way, so that the normal still points outward.
+    assert_eq!(drawn.shape, Shape::Mesh { vertices, triangles: vec![[0, 2, 1]] });
+    assert_eq!(drawn.rgba.map(f32::to_bits), [0.25, 0.5, 0.75, 1.0_f32].map(f32::to_bits));
+}
+
+#[test]
+fn a_vehicle_without_arm_has_only_its_weight_to_hold() {
+    let robot = vehicle();
+    let bare = Statics::new(&robot, &[]).gravity(&Coords::zeros());
+    assert!((bare[2] - 3.0 * GRAVITY_M_S2).abs() < ROUNDING);
+    assert_eq!((bare[6].to_bits(), bare[7].to_bits()), (0, 0));
+    let tool = Arm::new(&robot, &[], robot.link("tool").unwrap());
+    let moved = tool.tool_velocity_in_body(&Vector2::new(0.1, 0.2), &Vector2::new(1.0, 1.0));
+    assert!(moved.norm() < ROUNDING);
+}

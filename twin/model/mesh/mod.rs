@@ -1,5 +1,6 @@
-//! Triangle meshes from STL and OBJ files. Own readers: those on the registry panic on broken files.
+//! Triangle meshes from STL, OBJ and COLLADA files. Own readers: the published ones panic on broken files.
 
+mod collada;
 mod obj;
 mod stl;
 
@@ -42,8 +43,9 @@ pub(super) fn read(path: &Path) -> Result<Triangles, Finding> {
     let reader = match extension.to_ascii_lowercase().as_str() {
         "stl" => stl::parse,
         "obj" => obj::parse,
+        "dae" => collada::parse,
         _ => {
-            let remedy = "allowed: .stl, .obj; convert the mesh".into();
+            let remedy = "allowed: .stl, .obj, .dae; convert the mesh".into();
             return Err((format!("unknown extension {extension:?}"), remedy));
         }
     };
