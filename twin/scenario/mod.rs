@@ -10,6 +10,7 @@ pub mod scene;
 pub mod verdict;
 pub mod metrics;
 pub mod run;
+pub mod table;
 
 use std::path::{Path, PathBuf};
 

@@ -1,0 +1,46 @@
+//! `twin check`.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use twin::model::{Packages, Robot};
+use twin::scenario::Scenario;
+
+use super::{End, Overrides};
+
+#[derive(Args)]
+pub(super) struct CheckArgs {
+    /// Scenario (.toml) and vehicle (.urdf) files.
+    #[arg(required = true)]
+    files: Vec<PathBuf>,
+    #[command(flatten)]
+    overrides: Overrides,
+}
+
+pub(super) fn run(args: &CheckArgs) -> anyhow::Result<End> {
+    let mut end = End::Passed;
+    for file in &args.files {
+        match check(file, &args.overrides.set) {
+            Ok(found) => println!("ok    {}: {found}", file.display()),
+            Err(error) => {
+                println!("ERROR {error:#}");
+                end = End::Failed;
+            }
+        }
+    }
+    Ok(end)
+}
+
+fn check(file: &Path, overrides: &[String]) -> anyhow::Result<String> {
+    if file.extension().is_some_and(|ending| ending == "urdf") {
+        let robot = Robot::load(file, &Packages(Vec::new()))?;
+        let (links, joints) = (robot.links.len(), robot.joints.len());
+        return Ok(format!("{} with {links} links, {joints} joints, {:.3} kg", robot.name, robot.total_mass_kg()));
+    }
+    if file.file_name().is_some_and(|name| name == "defaults.toml") {
+        return Ok("defaults of every key".to_owned());
+    }
+    let scenario = Scenario::load(file, overrides)?;
+    scenario.build()?;
+    Ok(scenario.settings.title)
+}
