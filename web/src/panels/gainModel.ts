@@ -1,0 +1,100 @@
+// Gains as the server says they are, and the operator's way back. Nothing here changes a value by itself: a change is a
+// request, and only the server's echo makes it true.
+import type { GainInfo } from "../protocol";
+
+export interface Setting {
+  name: string;
+  value: number;
+}
+
+interface Change {
+  name: string;
+  from: number;
+  to: number;
+}
+
+const KEPT_CHANGES = 200;
+
+export class GainModel {
+  preset = "";
+  private readonly gains = new Map<string, GainInfo>();
+  private undone: Change[][] = [];
+  private done: Change[][] = [];
+
+  load(gains: GainInfo[], preset: string): void {
+    this.preset = preset;
+    this.gains.clear();
+    gains.forEach((gain) => this.gains.set(gain.name, { ...gain }));
+  }
+
+  /** The history speaks of a flight that is over. */
+  forget(): void {
+    this.done = [];
+    this.undone = [];
+  }
+
+  list(): GainInfo[] {
+    return [...this.gains.values()];
+  }
+
+  get(name: string): GainInfo | undefined {
+    return this.gains.get(name);
+  }
+
+  /** The server's word on one gain. */
+  echo(name: string, value: number, preset: string, presetValue?: number): void {
+    this.preset = preset;
+    const gain = this.gains.get(name);
+    if (gain === undefined) return;
+    gain.value = value;
+    if (presetValue !== undefined) gain.preset_value = presetValue;
+  }
+
+  /** Differs from the preset by more than the rounding of a decimal number. */
+  modified(name: string): boolean {
+    const gain = this.gains.get(name);
+    return gain !== undefined && !same(gain.value, gain.preset_value);
+  }
+
+  modifiedCount(): number {
+    return this.list().filter((gain) => this.modified(gain.name)).length;
+  }
+
+  /** Remembers one operator action: a drag, a typed value, a whole preset. */
+  commit(changes: Change[]): void {
+    const real = changes.filter((change) => !same(change.from, change.to));
+    if (real.length === 0) return;
+    this.done = [...this.done, real].slice(-KEPT_CHANGES);
+    this.undone = [];
+  }
+
+  /** Settings that take the newest action back; empty when there is none. */
+  undo(): Setting[] {
+    const action = this.done.pop();
+    if (action === undefined) return [];
+    this.undone.push(action);
+    return action.map(({ name, from }) => ({ name, value: from }));
+  }
+
+  /** Settings that do again what was undone last; empty when there is none. */
+  redo(): Setting[] {
+    const action = this.undone.pop();
+    if (action === undefined) return [];
+    this.done.push(action);
+    return action.map(({ name, to }) => ({ name, value: to }));
+  }
+
+  /** Values now, to be handed to `commitSince` when a preset has been echoed. */
+  snapshot(): Setting[] {
+    return this.list().map(({ name, value }) => ({ name, value }));
+  }
+
+  /** Remembers everything that differs from `before` as one action. */
+  commitSince(before: Setting[]): void {
+    this.commit(before.map(({ name, value }) => ({ name, from: value, to: this.gains.get(name)?.value ?? value })));
+  }
+}
+
+function same(a: number, b: number): boolean {
+  return Math.abs(a - b) <= 1e-9 * Math.max(1, Math.abs(a), Math.abs(b));
+}
