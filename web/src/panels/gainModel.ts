@@ -27,12 +27,6 @@ export class GainModel {
     gains.forEach((gain) => this.gains.set(gain.name, { ...gain }));
   }
 
-  /** The history speaks of a flight that is over. */
-  forget(): void {
-    this.done = [];
-    this.undone = [];
-  }
-
   list(): GainInfo[] {
     return [...this.gains.values()];
   }
@@ -66,6 +60,14 @@ export class GainModel {
     if (real.length === 0) return;
     this.done = [...this.done, real].slice(-KEPT_CHANGES);
     this.undone = [];
+  }
+
+  get canUndo(): boolean {
+    return this.done.length > 0;
+  }
+
+  get canRedo(): boolean {
+    return this.undone.length > 0;
   }
 
   /** Settings that take the newest action back; empty when there is none. */

@@ -1,0 +1,130 @@
+// The gains panel: groups of rows, presets, history.
+import type { ClientMessage, Hello, ServerMessage } from "../protocol";
+import { byId, element, setText } from "./dom";
+import { GainModel, type Setting } from "./gainModel";
+import { GainRow } from "./gainRow";
+import { formatGain } from "./scale";
+
+const PRESETS = ["literal", "paper", "tuned"];
+/** The echoes of a preset have all come when none came for this long, ms. */
+const PRESET_SETTLES_MS = 300;
+
+type GainEcho = Extract<ServerMessage, { type: "gain" }>;
+
+export class GainPanel {
+  readonly model = new GainModel();
+  private rows = new Map<string, GainRow>();
+  private beforePreset: Setting[] | null = null;
+  private settles = 0;
+  private pointedAt = "";
+  private readonly undoButton = byId<HTMLButtonElement>("undo");
+  private readonly redoButton = byId<HTMLButtonElement>("redo");
+  private readonly presetButtons: HTMLButtonElement[];
+
+  constructor(private readonly send: (message: ClientMessage) => void) {
+    this.presetButtons = PRESETS.map((name) => {
+      const button = element("button", { textContent: name, value: name });
+      button.addEventListener("click", () => this.choosePreset(name));
+      return button;
+    });
+    byId("presets").append(...this.presetButtons);
+    this.undoButton.addEventListener("click", () => this.undo());
+    this.redoButton.addEventListener("click", () => this.redo());
+  }
+
+  /** Shows the gains of a new connection or flight. */
+  rebuild(hello: Hello): void {
+    const open = new Map([...document.querySelectorAll<HTMLDetailsElement>("#gains details")].map((group) => [group.dataset["group"] ?? "", group.open]));
+    this.model.load(hello.gains, hello.preset);
+    this.rows = new Map();
+    const groups = [...new Set(hello.gains.map((gain) => gain.group))];
+    byId("gains").replaceChildren(...groups.map((group) => this.group(group, open.get(group) ?? true)));
+    this.refresh();
+  }
+
+  echo({ name, value, preset, preset_value }: GainEcho): void {
+    this.model.echo(name, value, preset, preset_value);
+    this.rows.get(name)?.answered();
+    if (this.beforePreset !== null) {
+      window.clearTimeout(this.settles);
+      this.settles = window.setTimeout(() => this.presetSettled(), PRESET_SETTLES_MS);
+    }
+    this.refresh();
+  }
+
+  /** A request was refused: what is shown is the server's value again. */
+  refused(): void {
+    this.rows.forEach((row) => row.answered());
+  }
+
+  undo(): void {
+    this.apply(this.model.undo());
+  }
+
+  redo(): void {
+    this.apply(this.model.redo());
+  }
+
+  values(): Record<string, number> {
+    return Object.fromEntries(this.model.list().map(({ name, value }) => [name, value]));
+  }
+
+  private apply(settings: Setting[]): void {
+    settings.forEach(({ name, value }) => this.send({ type: "set_gain", name, value }));
+    this.refresh();
+  }
+
+  private choosePreset(name: string): void {
+    this.beforePreset ??= this.model.snapshot();
+    this.send({ type: "preset", name });
+    window.clearTimeout(this.settles);
+    this.settles = window.setTimeout(() => this.presetSettled(), 5 * PRESET_SETTLES_MS);
+  }
+
+  private presetSettled(): void {
+    if (this.beforePreset !== null) this.model.commitSince(this.beforePreset);
+    this.beforePreset = null;
+    this.refresh();
+  }
+
+  private group(group: string, open: boolean): HTMLElement {
+    const gains = this.model.list().filter((gain) => gain.group === group);
+    const rows = gains.map((gain) => {
+      const current = (): typeof gain => this.model.get(gain.name) ?? gain;
+      const row = new GainRow(current, {
+        send: (name, value) => this.send({ type: "set_gain", name, value }),
+        commit: (name, from, to) => {
+          this.model.commit([{ name, from, to }]);
+          this.refresh();
+        },
+        point: (name) => this.point(name),
+      });
+      this.rows.set(gain.name, row);
+      return row.root;
+    });
+    const details = element("details", { open }, [element("summary", { textContent: group }), ...rows]);
+    details.dataset["group"] = group;
+    return details;
+  }
+
+  private refresh(): void {
+    this.rows.forEach((row, name) => {
+      row.mark(this.model.modified(name));
+      row.show();
+    });
+    const count = this.model.modifiedCount();
+    setText(byId("modified"), count === 0 ? "as preset" : `${count} changed`);
+    this.presetButtons.forEach((button) => (button.ariaPressed = String(button.value === this.model.preset)));
+    this.undoButton.disabled = !this.model.canUndo;
+    this.redoButton.disabled = !this.model.canRedo;
+    if (this.pointedAt !== "") this.point(this.pointedAt);
+  }
+
+  private point(name: string): void {
+    const gain = this.model.get(name);
+    if (gain === undefined) return;
+    this.pointedAt = name;
+    const unit = gain.unit === "" ? "" : ` ${gain.unit}`;
+    setText(byId("gain-help"), `${gain.label}: ${gain.help}. ${formatGain(gain.min)} to ${formatGain(gain.max)}${unit}, preset ${formatGain(gain.preset_value)}.`);
+  }
+}
