@@ -19,14 +19,18 @@ const KINDS: Record<string, Kind> = {
   fault: { icon: "▲", label: "fault", tone: "bad" },
   verdict: { icon: "■", label: "verdict" },
 };
+/** Changes of one gain this close together are one drag, s. */
+const DRAG_WITHIN_S = 1;
 const KEPT_LINES = 200;
 const AT_THE_END_PX = 24;
 
 export class EventLog {
   private readonly list = byId("events");
+  private last: EventInfo | null = null;
 
   rebuild(events: EventInfo[]): void {
     this.list.replaceChildren();
+    this.last = null;
     if (events.length === 0) this.list.append(element("li", { className: "empty", textContent: "No events yet." }));
     this.add(events);
   }
@@ -35,10 +39,20 @@ export class EventLog {
     if (events.length === 0) return;
     this.list.querySelector(".empty")?.remove();
     const following = this.list.scrollHeight - this.list.scrollTop - this.list.clientHeight < AT_THE_END_PX;
-    this.list.append(...events.map(line));
+    for (const event of events) {
+      if (this.last !== null && continues(this.last, event)) this.list.lastElementChild?.remove();
+      this.list.append(line(event));
+      this.last = event;
+    }
     while (this.list.childElementCount > KEPT_LINES) this.list.firstElementChild?.remove();
     if (following) this.list.scrollTop = this.list.scrollHeight;
   }
+}
+
+/** A slider being dragged gives one line, not one per position. */
+export function continues(last: EventInfo, next: EventInfo): boolean {
+  const stem = (text: string): string => text.replace(/\s[-−]?\d.*$/s, "");
+  return last.kind === "gain" && next.kind === "gain" && next.t_s - last.t_s < DRAG_WITHIN_S && stem(last.text) === stem(next.text);
 }
 
 function line({ t_s, kind, text, tick }: EventInfo): HTMLLIElement {

@@ -71,6 +71,19 @@ describe("GainModel", () => {
     expect(model.undo()).toEqual([{ name: "a", value: 1 }, { name: "b", value: 2 }]);
   });
 
+  it("takes an arrow key held down as one action, and two separate changes as two", () => {
+    model.commit([{ name: "a", from: 1, to: 2 }], 1000);
+    model.commit([{ name: "a", from: 2, to: 3 }], 1100);
+    model.commit([{ name: "b", from: 2, to: 3 }], 1200);
+    model.commit([{ name: "b", from: 3, to: 4 }], 9000);
+    expect([model.undo(), model.undo(), model.undo(), model.undo()]).toEqual([
+      [{ name: "b", value: 3 }],
+      [{ name: "b", value: 2 }],
+      [{ name: "a", value: 1 }],
+      [],
+    ]);
+  });
+
   it("keeps no action that changed nothing", () => {
     model.commit([{ name: "a", from: 1, to: 1 }]);
     expect(model.undo()).toEqual([]);

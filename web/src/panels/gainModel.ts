@@ -14,10 +14,13 @@ interface Change {
 }
 
 const KEPT_CHANGES = 200;
+/** Changes of one gain that follow each other faster than this are one action (an arrow key held down), ms. */
+const ONE_ACTION_MS = 800;
 
 export class GainModel {
   preset = "";
   private readonly gains = new Map<string, GainInfo>();
+  private committedAt = -Infinity;
   private undone: Change[][] = [];
   private done: Change[][] = [];
 
@@ -55,9 +58,18 @@ export class GainModel {
   }
 
   /** Remembers one operator action: a drag, a typed value, a whole preset. */
-  commit(changes: Change[]): void {
+  commit(changes: Change[], nowMs = Infinity): void {
     const real = changes.filter((change) => !same(change.from, change.to));
-    if (real.length === 0) return;
+    const [only] = real;
+    if (only === undefined) return;
+    const last = this.done.at(-1);
+    const following = nowMs - this.committedAt < ONE_ACTION_MS;
+    this.committedAt = nowMs;
+    if (following && real.length === 1 && last?.length === 1 && last[0]?.name === only.name) {
+      last[0].to = only.to;
+      this.undone = [];
+      return;
+    }
     this.done = [...this.done, real].slice(-KEPT_CHANGES);
     this.undone = [];
   }
@@ -75,6 +87,7 @@ export class GainModel {
     const action = this.done.pop();
     if (action === undefined) return [];
     this.undone.push(action);
+    this.committedAt = -Infinity;
     return action.map(({ name, from }) => ({ name, value: from }));
   }
 

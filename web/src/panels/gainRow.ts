@@ -1,9 +1,8 @@
 // One gain: slider, number, unit and the way back to the preset.
 import type { GainInfo } from "../protocol";
 import { element } from "./dom";
-import { formatGain, positionOf, valueAt } from "./scale";
+import { formatGain, positionOf, sliderSteps, valueAt } from "./scale";
 
-const POSITIONS = 1000;
 /** While dragging, at most this often to the server, ms. */
 const SEND_EVERY_MS = 80;
 /** Without an answer for this long the server's value is shown again, ms. */
@@ -12,7 +11,7 @@ const ANSWER_WITHIN_MS = 1500;
 export interface GainRowHandlers {
   /** Ask the server for `value` now; not yet a step of the history. */
   send(name: string, value: number): void;
-  /** The operator finished: `from` was in force before. */
+  /** What the operator asked for is in force; `from` was before. */
   commit(name: string, from: number, to: number): void;
   /** The operator looks at this gain. */
   point(name: string): void;
@@ -27,6 +26,9 @@ export class GainRow {
   private sentAt = 0;
   private later = 0;
   private unanswered = 0;
+  private readonly steps: number;
+  /** Asked for and not yet answered; becomes a step of the history when the server agrees. */
+  private asked: { from: number } | null = null;
 
   constructor(
     private readonly gain: () => GainInfo,
@@ -34,8 +36,9 @@ export class GainRow {
   ) {
     const { name, label, unit, min, max, step, help } = gain();
     const id = `gain-${name}`;
+    this.steps = sliderSteps(gain());
     const onOff = min === 0 && max === 1 && step === 1;
-    this.slider = element("input", { id, type: onOff ? "checkbox" : "range", min: "0", max: String(POSITIONS), step: "1" });
+    this.slider = element("input", { id, type: onOff ? "checkbox" : "range", min: "0", max: String(this.steps), step: "1" });
     this.slider.ariaLabel = `${label}${unit === "" ? "" : `, ${unit}`}`;
     this.field = onOff ? null : element("input", { type: "number", min: String(min), max: String(max), step: "any", ariaLabel: `${label} as a number` });
     this.revert = element("button", { className: "default", textContent: "↺", ariaLabel: `Back to the preset's ${label}` });
@@ -57,15 +60,26 @@ export class GainRow {
     this.revert.title = `Back to ${formatGain(gain.preset_value)}`;
     if (!force && (this.before !== null || this.unanswered !== 0)) return;
     if (this.slider.type === "checkbox") this.slider.checked = gain.value >= 0.5;
-    else this.slider.value = String(Math.round(positionOf(gain.value, gain) * POSITIONS));
+    else this.slider.value = String(Math.round(positionOf(gain.value, gain) * this.steps));
     this.slider.ariaValueText = `${formatGain(gain.value)} ${gain.unit}`;
     if (this.field !== null && (force || document.activeElement !== this.field)) this.field.value = formatGain(gain.value);
   }
 
-  /** The server has spoken: nothing is pending any more. */
+  /** The server has put a value in force. */
   answered(): void {
     this.settle();
+    const gain = this.gain();
+    if (this.asked !== null) this.handlers.commit(gain.name, this.asked.from, gain.value);
+    this.asked = null;
     this.show(this.before === null);
+  }
+
+  /** The server has refused: its value stands, and there is nothing to undo. */
+  refused(): void {
+    if (this.unanswered === 0) return;
+    this.settle();
+    this.asked = null;
+    this.show(true);
   }
 
   mark(modified: boolean): void {
@@ -90,7 +104,7 @@ export class GainRow {
   }
 
   private sliderValue(): number {
-    return valueAt(Number(this.slider.value) / POSITIONS, this.gain());
+    return valueAt(Number(this.slider.value) / this.steps, this.gain());
   }
 
   /** Marks the field while its text is not yet a request, so that Ctrl+Z belongs to the text. */
@@ -129,9 +143,13 @@ export class GainRow {
     window.clearTimeout(this.later);
     const from = this.before ?? this.gain().value;
     this.before = null;
-    if (value === this.gain().value && value === from) return this.show(true);
+    if (value === this.gain().value) {
+      // The last position of the drag is in force already.
+      this.handlers.commit(this.gain().name, from, value);
+      return this.show(true);
+    }
+    this.asked = { from: this.asked?.from ?? from };
     this.send(value);
-    this.handlers.commit(this.gain().name, from, value);
     if (this.field !== null) this.field.value = formatGain(value);
   }
 

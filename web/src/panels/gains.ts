@@ -54,7 +54,7 @@ export class GainPanel {
 
   /** A request was refused: what is shown is the server's value again. */
   refused(): void {
-    this.rows.forEach((row) => row.answered());
+    this.rows.forEach((row) => row.refused());
   }
 
   undo(): void {
@@ -94,7 +94,7 @@ export class GainPanel {
       const row = new GainRow(current, {
         send: (name, value) => this.send({ type: "set_gain", name, value }),
         commit: (name, from, to) => {
-          this.model.commit([{ name, from, to }]);
+          this.model.commit([{ name, from, to }], performance.now());
           this.refresh();
         },
         point: (name) => this.point(name),

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { formatGain, isLogarithmic, positionOf, valueAt } from "./scale";
+import { formatGain, isLogarithmic, positionOf, sliderSteps, valueAt } from "./scale";
 
 const slope = { min: 0, max: 20, step: 0.05 };
 const cap = { min: 0.05, max: 1e6, step: 0.05 };
@@ -30,6 +30,12 @@ describe("slider scale", () => {
       expect(positionOf(valueAt(position, slope), slope)).toBeCloseTo(position, 2);
       expect(positionOf(valueAt(position, cap), cap)).toBeCloseTo(position, 3);
     }
+  });
+
+  it("moves by one step of the gain with one step of the slider", () => {
+    expect(sliderSteps(slope)).toBe(400);
+    expect(valueAt(63 / 400, slope) - valueAt(62 / 400, slope)).toBeCloseTo(0.05, 12);
+    expect(sliderSteps(cap)).toBe(2000);
   });
 
   it("prints no floating-point noise", () => {

@@ -2,6 +2,7 @@
 // 0.05 to 1000000 is still usable at 2.
 
 const LOGARITHMIC_RATIO = 1000;
+const FINEST_SLIDER = 2000;
 
 export interface Range {
   min: number;
@@ -23,6 +24,12 @@ export function valueAt(position: number, range: Range): number {
   const { min, max, step } = range;
   if (isLogarithmic(range)) return clamp(roundSignificant(min * (max / min) ** position, 3), range);
   return clamp(roundTo(min + position * (max - min), step, min), range);
+}
+
+/** Positions of a slider: one per step where that many can be told apart, so that an arrow key is one step. */
+export function sliderSteps(range: Range): number {
+  if (isLogarithmic(range) || range.step <= 0) return FINEST_SLIDER;
+  return Math.max(1, Math.min(FINEST_SLIDER, Math.round((range.max - range.min) / range.step)));
 }
 
 /** As many decimals as the step asks for, without trailing noise. */

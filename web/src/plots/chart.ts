@@ -108,7 +108,7 @@ export class Chart {
       height: 100,
       padding: [6, 10, 2, 0],
       legend: { show: false },
-      cursor: { sync: { key: "twin", scales: ["x", null] }, drag: { x: false, y: false }, points: { show: false } },
+      cursor: { y: false, sync: { key: "twin", scales: ["x", null] }, drag: { x: false, y: false }, points: { show: false } },
       scales: {
         x: { time: false, range: () => this.xRange },
         y: { distr: this.spec.logarithmic === true ? 3 : 1, range: () => this.yRange ?? [0.1, 1] },
@@ -158,7 +158,7 @@ export class Chart {
         gap: 4,
         space: 24,
         values: (_, splits) => splits.map((split) => (split === null ? "" : axisText(split))),
-        ...(this.spec.logarithmic === true ? { filter: decadesOnly } : {}),
+        ...(this.spec.logarithmic === true ? { filter: decadesOnly, grid: { ...common.grid, filter: decadesOnly } } : {}),
       },
     ];
   }

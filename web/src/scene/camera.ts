@@ -8,7 +8,7 @@ const FIELD_OF_VIEW_DEG = 45;
 /** Where the camera stands from the vehicle at first, m. */
 const FIRST_OFFSET = new Vector3(-1.9, -2.0, 1.25);
 /** Larger things (a floor, walls) do not count when everything is to be shown, m. */
-const FIT_WITHIN_M = 12;
+const FIT_WITHIN_M = 5;
 
 export class Camera {
   readonly camera = new PerspectiveCamera(FIELD_OF_VIEW_DEG, 1, 0.02, 200);
