@@ -12,10 +12,9 @@ import { readPalette, startTheme } from "./panels/theme";
 import { TopBar } from "./panels/topbar";
 import { ChartColumn } from "./plots/column";
 import { preferProcessorCanvas } from "./plots/software";
-import type { ServerMessage } from "./protocol";
+import { PROTOCOL_VERSION, type ServerMessage } from "./protocol";
 import { World } from "./scene/world";
 
-const PROTOCOL = 1;
 const READINGS_EVERY_MS = 100;
 
 const store = new Store();
@@ -66,6 +65,8 @@ function message(received: ServerMessage): void {
       return bar.show();
     case "gain":
       return gains.echo(received);
+    case "gains":
+      return gains.replace(received);
     case "events":
       store.addEvents(received.events);
       return log.add(received.events);
@@ -82,8 +83,8 @@ function message(received: ServerMessage): void {
 }
 
 function hello(received: Extract<ServerMessage, { type: "hello" }>): void {
-  if (received.protocol !== PROTOCOL) {
-    notify("error", `the server speaks protocol ${received.protocol}, this page ${PROTOCOL}: reload the page`);
+  if (received.protocol !== PROTOCOL_VERSION) {
+    notify("error", `the server speaks protocol ${received.protocol}, this page ${PROTOCOL_VERSION}: reload the page`);
     return;
   }
   store.accept(received);

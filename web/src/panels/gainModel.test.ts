@@ -64,8 +64,8 @@ describe("GainModel", () => {
 
   it("takes a preset back as one action", () => {
     const before = model.snapshot();
-    model.echo("a", 8, "paper", 8);
-    model.echo("b", 9, "paper", 9);
+    model.echo("a", 8, "paper");
+    model.load([gain("a", 8), gain("b", 9)], "paper");
     model.commitSince(before);
     expect(model.modifiedCount()).toBe(0);
     expect(model.undo()).toEqual([{ name: "a", value: 1 }, { name: "b", value: 2 }]);

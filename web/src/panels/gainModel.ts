@@ -39,12 +39,10 @@ export class GainModel {
   }
 
   /** The server's word on one gain. */
-  echo(name: string, value: number, preset: string, presetValue?: number): void {
+  echo(name: string, value: number, preset: string): void {
     this.preset = preset;
     const gain = this.gains.get(name);
-    if (gain === undefined) return;
-    gain.value = value;
-    if (presetValue !== undefined) gain.preset_value = presetValue;
+    if (gain !== undefined) gain.value = value;
   }
 
   /** Differs from the preset by more than the rounding of a decimal number. */
@@ -99,7 +97,7 @@ export class GainModel {
     return action.map(({ name, to }) => ({ name, value: to }));
   }
 
-  /** Values now, to be handed to `commitSince` when a preset has been echoed. */
+  /** Values now, to be handed to `commitSince` when a preset is in force. */
   snapshot(): Setting[] {
     return this.list().map(({ name, value }) => ({ name, value }));
   }

@@ -8,6 +8,9 @@ const SEND_EVERY_MS = 80;
 /** Without an answer for this long the server's value is shown again, ms. */
 const ANSWER_WITHIN_MS = 1500;
 
+/** Relative difference below which two values are one after a trip through JSON. */
+const SAME = 1e-9;
+
 export interface GainRowHandlers {
   /** Ask the server for `value` now; not yet a step of the history. */
   send(name: string, value: number): void;
@@ -28,7 +31,7 @@ export class GainRow {
   private unanswered = 0;
   private readonly steps: number;
   /** Asked for and not yet answered; becomes a step of the history when the server agrees. */
-  private asked: { from: number } | null = null;
+  private asked: { from: number; to: number } | null = null;
 
   constructor(
     private readonly gain: () => GainInfo,
@@ -67,9 +70,11 @@ export class GainRow {
 
   /** The server has put a value in force. */
   answered(): void {
+    const { name, value } = this.gain();
+    // An echo of an earlier position of the drag does not answer the last one.
+    if (this.asked !== null && Math.abs(value - this.asked.to) > SAME * Math.abs(value)) return;
     this.settle();
-    const gain = this.gain();
-    if (this.asked !== null) this.handlers.commit(gain.name, this.asked.from, gain.value);
+    if (this.asked !== null) this.handlers.commit(name, this.asked.from, value);
     this.asked = null;
     this.show(this.before === null);
   }
@@ -148,7 +153,7 @@ export class GainRow {
       this.handlers.commit(this.gain().name, from, value);
       return this.show(true);
     }
-    this.asked = { from: this.asked?.from ?? from };
+    this.asked = { from: this.asked?.from ?? from, to: value };
     this.send(value);
     if (this.field !== null) this.field.value = formatGain(value);
   }
@@ -160,6 +165,7 @@ export class GainRow {
     window.clearTimeout(this.unanswered);
     this.unanswered = window.setTimeout(() => {
       this.settle();
+      this.asked = null;
       this.show(true);
     }, ANSWER_WITHIN_MS);
   }

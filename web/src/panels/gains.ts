@@ -1,21 +1,16 @@
 // The gains panel: groups of rows, presets, history.
-import type { ClientMessage, Hello, ServerMessage } from "../protocol";
+import type { ClientMessage, GainEcho, GainList, Hello, PresetName } from "../protocol";
 import { byId, element, setText } from "./dom";
 import { GainModel, type Setting } from "./gainModel";
 import { GainRow } from "./gainRow";
 import { formatGain } from "./scale";
 
-const PRESETS = ["literal", "paper", "tuned"];
-/** The echoes of a preset have all come when none came for this long, ms. */
-const PRESET_SETTLES_MS = 300;
-
-type GainEcho = Extract<ServerMessage, { type: "gain" }>;
+const PRESETS: PresetName[] = ["literal", "paper", "tuned"];
 
 export class GainPanel {
   readonly model = new GainModel();
   private rows = new Map<string, GainRow>();
   private beforePreset: Setting[] | null = null;
-  private settles = 0;
   private pointedAt = "";
   private readonly undoButton = byId<HTMLButtonElement>("undo");
   private readonly redoButton = byId<HTMLButtonElement>("redo");
@@ -36,24 +31,31 @@ export class GainPanel {
   rebuild(hello: Hello): void {
     const open = new Map([...document.querySelectorAll<HTMLDetailsElement>("#gains details")].map((group) => [group.dataset["group"] ?? "", group.open]));
     this.model.load(hello.gains, hello.preset);
+    this.beforePreset = null;
     this.rows = new Map();
     const groups = [...new Set(hello.gains.map((gain) => gain.group))];
     byId("gains").replaceChildren(...groups.map((group) => this.group(group, open.get(group) ?? true)));
     this.refresh();
   }
 
-  echo({ name, value, preset, preset_value }: GainEcho): void {
-    this.model.echo(name, value, preset, preset_value);
-    this.rows.get(name)?.answered();
-    if (this.beforePreset !== null) {
-      window.clearTimeout(this.settles);
-      this.settles = window.setTimeout(() => this.presetSettled(), PRESET_SETTLES_MS);
-    }
+  echo({ name, value, preset }: GainEcho): void {
+    this.model.echo(name, value, preset);
+    // A preset's echoes are one action, and its list follows them.
+    if (this.beforePreset === null) this.rows.get(name)?.answered();
+    this.refresh();
+  }
+
+  /** A preset is in force. */
+  replace({ gains, preset }: GainList): void {
+    this.model.load(gains, preset);
+    if (this.beforePreset !== null) this.model.commitSince(this.beforePreset);
+    this.beforePreset = null;
     this.refresh();
   }
 
   /** A request was refused: what is shown is the server's value again. */
   refused(): void {
+    this.beforePreset = null;
     this.rows.forEach((row) => row.refused());
   }
 
@@ -74,17 +76,9 @@ export class GainPanel {
     this.refresh();
   }
 
-  private choosePreset(name: string): void {
+  private choosePreset(name: PresetName): void {
     this.beforePreset ??= this.model.snapshot();
     this.send({ type: "preset", name });
-    window.clearTimeout(this.settles);
-    this.settles = window.setTimeout(() => this.presetSettled(), 5 * PRESET_SETTLES_MS);
-  }
-
-  private presetSettled(): void {
-    if (this.beforePreset !== null) this.model.commitSince(this.beforePreset);
-    this.beforePreset = null;
-    this.refresh();
   }
 
   private group(group: string, open: boolean): HTMLElement {

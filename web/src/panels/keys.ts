@@ -24,6 +24,7 @@ const KEYS: [string[], string][] = [
 export function startKeys(actions: KeyActions): void {
   const help = byId<HTMLDialogElement>("help");
   byId("help-keys").append(...KEYS.map(([keys, what]) => element("tr", {}, [element("td", {}, keyCaps(keys)), element("td", { textContent: what })])));
+  byId("help-close").addEventListener("click", () => help.close());
   byId("help-open").addEventListener("click", () => help.showModal());
   document.addEventListener("keydown", (event) => {
     if (help.open || event.altKey || event.metaKey) return;

@@ -1,12 +1,12 @@
 // Short messages to this operator: a refused gain, something unreadable. Errors stay until they are closed.
+import type { NoticeLevel } from "../protocol";
 import { byId, element } from "./dom";
 
-type Level = "info" | "warning" | "error";
 const STAYS_MS = 6000;
 const SHOWN_AT_MOST = 4;
-const ICONS: Record<Level, string> = { info: "ℹ", warning: "△", error: "▲" };
+const ICONS: Record<NoticeLevel, string> = { info: "ℹ", warning: "△", error: "▲" };
 
-export function notify(level: Level, text: string): void {
+export function notify(level: NoticeLevel, text: string): void {
   const root = byId("notices");
   const same = [...root.children].find((child) => child.querySelector("p")?.textContent === text);
   same?.remove();

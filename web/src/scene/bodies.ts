@@ -1,6 +1,6 @@
 // Everything that hello.scene describes: bodies, rotor discs, the payload and the ghost of the reference.
 import { CircleGeometry, Color, DoubleSide, Group, Mesh, MeshBasicMaterial, MeshLambertMaterial, RingGeometry } from "three";
-import type { RotorInfo, SceneInfo } from "../protocol";
+import type { Scene, SceneRotor } from "../protocol";
 import { dispose, meshOf, place } from "./shapes";
 
 const POSE_FLOATS = 7;
@@ -19,7 +19,7 @@ export class Bodies {
   private readonly moving: Group[] = [];
   private readonly base: Group | undefined;
 
-  constructor(scene: SceneInfo, ghostColor: string, discColor: string) {
+  constructor(scene: Scene, ghostColor: string, discColor: string) {
     for (const body of scene.bodies) {
       const group = new Group();
       group.name = body.name;
@@ -59,7 +59,7 @@ export class Bodies {
     dispose(this.root);
   }
 
-  private buildGhost(scene: SceneInfo, color: string): void {
+  private buildGhost(scene: Scene, color: string): void {
     this.ghost.visible = false;
     const root = scene.bodies.find((body) => body.name === scene.base_body);
     const material = new MeshLambertMaterial({ color: new Color(color), opacity: GHOST_ALPHA, transparent: true, depthWrite: false });
@@ -78,7 +78,7 @@ function setPose(object: Group, values: Float32Array, offset: number): boolean {
   return true;
 }
 
-function disc(rotor: RotorInfo, color: string): Group {
+function disc(rotor: SceneRotor, color: string): Group {
   const group = new Group();
   group.position.set(...rotor.position_in_body);
   const material = new MeshBasicMaterial({ color: new Color(color), opacity: DISC_ALPHA, transparent: true, depthWrite: false, side: DoubleSide });
@@ -89,7 +89,7 @@ function disc(rotor: RotorInfo, color: string): Group {
   return group;
 }
 
-function rim(rotor: RotorInfo, color: string, opacity: number): Mesh {
+function rim(rotor: SceneRotor, color: string, opacity: number): Mesh {
   const material = new MeshBasicMaterial({ color: new Color(color), opacity, transparent: true, depthWrite: false, side: DoubleSide });
   const mesh = new Mesh(new RingGeometry(rotor.radius_m * 0.94, rotor.radius_m, 40), material);
   mesh.position.set(...rotor.position_in_body);

@@ -15,11 +15,11 @@ import {
   SphereGeometry,
   SRGBColorSpace,
 } from "three";
-import type { PoseInfo, Shape, ShapeInfo } from "../protocol";
+import type { ScenePose, SceneShape, ShapeInfo } from "../protocol";
 
 const ROUND_SEGMENTS = 24;
 
-export function geometryOf(shape: Shape): BufferGeometry {
+export function geometryOf(shape: SceneShape): BufferGeometry {
   switch (shape.kind) {
     case "box":
       return new BoxGeometry(...shape.size_m);
@@ -45,7 +45,7 @@ function meshGeometry(vertices: number[][], triangles: number[][]): BufferGeomet
 }
 
 /** Puts `object` at `pose`. */
-export function place(object: Object3D, { position, quaternion_wxyz: [w, x, y, z] }: PoseInfo): void {
+export function place(object: Object3D, { position, quaternion_wxyz: [w, x, y, z] }: ScenePose): void {
   object.position.set(...position);
   object.quaternion.set(x, y, z, w);
 }
