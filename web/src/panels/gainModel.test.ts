@@ -1,6 +1,6 @@
 import { beforeEach, describe, expect, it } from "vitest";
 import type { GainInfo } from "../protocol";
-import { GainModel } from "./gainModel";
+import { GainModel, type Requests } from "./gainModel";
 
 const gain = (name: string, value: number): GainInfo => ({
   name, label: name, group: "g", unit: "", help: "", min: 0, max: 10, step: 0.1, value, preset_value: value,
@@ -9,14 +9,14 @@ const gain = (name: string, value: number): GainInfo => ({
 let model: GainModel;
 
 /** A server that does what it is asked. */
-function obey(settings: { name: string; value: number }[]): void {
+function obey({ settings }: Requests): void {
   settings.forEach(({ name, value }) => model.echo(name, value, "custom"));
 }
 
 function turn(name: string, to: number): void {
   const from = model.get(name)?.value ?? NaN;
   model.commit([{ name, from, to }]);
-  obey([{ name, value: to }]);
+  model.echo(name, to, "custom");
 }
 
 beforeEach(() => {
@@ -51,7 +51,7 @@ describe("GainModel", () => {
     expect([model.get("a")?.value, model.get("b")?.value]).toEqual([3, 7]);
     obey(model.undo());
     obey(model.undo());
-    expect(model.undo()).toEqual([]);
+    expect(model.undo().settings).toEqual([]);
     expect([model.get("a")?.value, model.get("b")?.value]).toEqual([1, 2]);
   });
 
@@ -59,7 +59,7 @@ describe("GainModel", () => {
     turn("a", 3);
     obey(model.undo());
     turn("b", 9);
-    expect(model.redo()).toEqual([]);
+    expect(model.redo().settings).toEqual([]);
   });
 
   it("takes a preset back as one action", () => {
@@ -68,7 +68,16 @@ describe("GainModel", () => {
     model.load([gain("a", 8), gain("b", 9)], "paper");
     model.commitSince(before);
     expect(model.modifiedCount()).toBe(0);
-    expect(model.undo()).toEqual([{ name: "a", value: 1 }, { name: "b", value: 2 }]);
+    expect(model.undo()).toEqual({ settings: [], preset: "tuned" });
+    expect(model.redo()).toEqual({ settings: [], preset: "paper" });
+  });
+
+  it("brings values that were no preset back gain by gain", () => {
+    turn("a", 3);
+    const before = model.snapshot();
+    model.load([gain("a", 8), gain("b", 9)], "paper");
+    model.commitSince(before);
+    expect(model.undo()).toEqual({ settings: [{ name: "a", value: 3 }, { name: "b", value: 2 }], preset: null });
   });
 
   it("takes an arrow key held down as one action, and two separate changes as two", () => {
@@ -76,7 +85,7 @@ describe("GainModel", () => {
     model.commit([{ name: "a", from: 2, to: 3 }], 1100);
     model.commit([{ name: "b", from: 2, to: 3 }], 1200);
     model.commit([{ name: "b", from: 3, to: 4 }], 9000);
-    expect([model.undo(), model.undo(), model.undo(), model.undo()]).toEqual([
+    expect([1, 2, 3, 4].map(() => model.undo().settings)).toEqual([
       [{ name: "b", value: 3 }],
       [{ name: "b", value: 2 }],
       [{ name: "a", value: 1 }],
@@ -86,6 +95,6 @@ describe("GainModel", () => {
 
   it("keeps no action that changed nothing", () => {
     model.commit([{ name: "a", from: 1, to: 1 }]);
-    expect(model.undo()).toEqual([]);
+    expect(model.undo().settings).toEqual([]);
   });
 });

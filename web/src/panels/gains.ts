@@ -1,7 +1,7 @@
 // The gains panel: groups of rows, presets, history.
 import type { ClientMessage, GainEcho, GainList, Hello, PresetName } from "../protocol";
 import { byId, element, setText } from "./dom";
-import { GainModel, type Setting } from "./gainModel";
+import { GainModel, type Requests, type Snapshot } from "./gainModel";
 import { GainRow } from "./gainRow";
 import { formatGain } from "./scale";
 
@@ -10,7 +10,7 @@ const PRESETS: PresetName[] = ["literal", "paper", "tuned"];
 export class GainPanel {
   readonly model = new GainModel();
   private rows = new Map<string, GainRow>();
-  private beforePreset: Setting[] | null = null;
+  private beforePreset: Snapshot | null = null;
   private pointedAt = "";
   private readonly undoButton = byId<HTMLButtonElement>("undo");
   private readonly redoButton = byId<HTMLButtonElement>("redo");
@@ -71,7 +71,8 @@ export class GainPanel {
     return Object.fromEntries(this.model.list().map(({ name, value }) => [name, value]));
   }
 
-  private apply(settings: Setting[]): void {
+  private apply({ settings, preset }: Requests): void {
+    if (preset !== null) this.send({ type: "preset", name: preset });
     settings.forEach(({ name, value }) => this.send({ type: "set_gain", name, value }));
     this.refresh();
   }

@@ -106,7 +106,7 @@ export class Chart {
     return {
       width: 300,
       height: 100,
-      padding: [6, 10, 2, 0],
+      padding: [6, 16, 2, 0],
       legend: { show: false },
       cursor: { y: false, sync: { key: "twin", scales: ["x", null] }, drag: { x: false, y: false }, points: { show: false } },
       scales: {
