@@ -8,6 +8,9 @@ export class Oracle {
   poses = new Map();
   resets = 0;
   gapTicks = 0;
+  /** Simulated and wall time of the newest frame by the server's clocks, s. */
+  simulatedS = NaN;
+  wallS = NaN;
 
   static async connect(url) {
     const oracle = new Oracle();
@@ -48,5 +51,7 @@ export class Oracle {
       this.poses.set(moving[body].name, pose);
     }
     this.lastTick = data.readUInt32LE(4) + rows - 1;
+    this.simulatedS = data.readDoubleLE(24);
+    this.wallS = data.readDoubleLE(32);
   }
 }
