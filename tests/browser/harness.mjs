@@ -1,0 +1,99 @@
+// Starts the real binary and a browser, and waits for things to become true.
+import { spawn } from "node:child_process";
+import { existsSync } from "node:fs";
+import { createServer } from "node:net";
+import path from "node:path";
+import { fileURLToPath } from "node:url";
+import { chromium } from "playwright-core";
+
+export const ROOT = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../..");
+const BINARY = path.resolve(ROOT, process.env.TWIN_BIN ?? "target/release/twin");
+const BROWSER = process.env.CHROMIUM ?? "/usr/bin/chromium";
+const START_WITHIN_MS = 30_000;
+const FLAGS = [
+  "--headless",
+  "--no-sandbox",
+  "--disable-quic",
+  "--use-angle=swiftshader",
+  "--enable-unsafe-swiftshader",
+  "--disable-background-networking",
+  "--disable-component-update",
+  "--disable-sync",
+  "--no-first-run",
+];
+
+export async function launchBrowser() {
+  if (!existsSync(BROWSER)) throw new Error(`no browser at ${BROWSER}: install chromium or set CHROMIUM`);
+  return chromium.launch({ executablePath: BROWSER, args: FLAGS });
+}
+
+/** A port of the loopback that was free just now. */
+export function freePort() {
+  return new Promise((resolve, reject) => {
+    const probe = createServer();
+    probe.on("error", reject);
+    probe.listen(0, "127.0.0.1", () => {
+      const { port } = probe.address();
+      probe.close(() => resolve(port));
+    });
+  });
+}
+
+/** `twin fly SCENARIO --port PORT`, ready to answer. */
+export async function startTwin(scenario, port) {
+  if (!existsSync(BINARY)) throw new Error(`no binary at ${BINARY}: build it with cargo build --release or set TWIN_BIN`);
+  const child = spawn(BINARY, ["fly", scenario, "--port", String(port)], { cwd: ROOT, stdio: ["ignore", "pipe", "pipe"] });
+  let said = "";
+  const hear = (chunk) => (said = (said + chunk).slice(-4000));
+  child.stdout.on("data", hear);
+  child.stderr.on("data", hear);
+  const ended = new Promise((resolve) => child.once("exit", resolve));
+  const url = `http://127.0.0.1:${port}`;
+  const ready = async () => {
+    if (child.exitCode !== null) throw new Error(`twin ended with ${child.exitCode}:\n${said}`);
+    return fetch(`${url}/api/health`).then((answer) => answer.ok, () => false);
+  };
+  await until(ready, START_WITHIN_MS, () => `twin answers on port ${port}; it said:\n${said}`);
+  const stop = async () => {
+    child.kill("SIGKILL");
+    await ended;
+  };
+  return { url, port, stop };
+}
+
+/** Waits until `condition` gives something true, and returns it. */
+export async function until(condition, withinMs, what) {
+  const give = Date.now() + withinMs;
+  for (;;) {
+    const result = await condition();
+    if (result) return result;
+    if (Date.now() > give) throw new Error(`not within ${withinMs} ms: ${typeof what === "function" ? what() : what}`);
+    await pause(50);
+  }
+}
+
+export function pause(ms) {
+  return new Promise((resolve) => setTimeout(resolve, ms));
+}
+
+/** A page on the console that keeps what the browser complained about. */
+export async function openConsole(browser, url, options = {}) {
+  const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, colorScheme: "dark", ...options });
+  const page = await context.newPage();
+  const complaints = [];
+  page.on("console", (message) => {
+    if (["error", "warning"].includes(message.type())) complaints.push(message.text());
+  });
+  page.on("pageerror", (error) => complaints.push(error.message));
+  await page.goto(url);
+  await until(() => page.evaluate(() => (window.__twin?.lastTick ?? -1) >= 0), 20_000, "the page shows a flight");
+  return { page, complaints, close: () => context.close() };
+}
+
+/** Values that the page shows. */
+export function shown(page) {
+  return page.evaluate(() => {
+    const { state, connected, stale, scenario, lastTick, gains, preset, bodies, resets, rows, gapTicks } = window.__twin;
+    return { state, connected, stale, scenario, lastTick, gains, preset, bodies, resets, rows, gapTicks };
+  });
+}

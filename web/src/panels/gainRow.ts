@@ -1,0 +1,178 @@
+// One gain: slider, number, unit and the way back to the preset.
+import type { GainInfo } from "../protocol";
+import { element } from "./dom";
+import { formatGain, positionOf, sliderSteps, valueAt } from "./scale";
+
+/** While dragging, at most this often to the server, ms. */
+const SEND_EVERY_MS = 80;
+/** Without an answer for this long the server's value is shown again, ms. */
+const ANSWER_WITHIN_MS = 1500;
+
+/** Relative difference below which two values are one after a trip through JSON. */
+const SAME = 1e-9;
+
+export interface GainRowHandlers {
+  /** Ask the server for `value` now; not yet a step of the history. */
+  send(name: string, value: number): void;
+  /** What the operator asked for is in force; `from` was before. */
+  commit(name: string, from: number, to: number): void;
+  /** The operator looks at this gain. */
+  point(name: string): void;
+}
+
+export class GainRow {
+  readonly root: HTMLElement;
+  private readonly slider: HTMLInputElement;
+  private readonly field: HTMLInputElement | null;
+  private readonly revert: HTMLButtonElement;
+  private before: number | null = null;
+  private sentAt = 0;
+  private later = 0;
+  private unanswered = 0;
+  private readonly steps: number;
+  /** Asked for and not yet answered; becomes a step of the history when the server agrees. */
+  private asked: { from: number; to: number } | null = null;
+
+  constructor(
+    private readonly gain: () => GainInfo,
+    private readonly handlers: GainRowHandlers,
+  ) {
+    const { name, label, unit, min, max, step, help } = gain();
+    const id = `gain-${name}`;
+    this.steps = sliderSteps(gain());
+    const onOff = min === 0 && max === 1 && step === 1;
+    this.slider = element("input", { id, type: onOff ? "checkbox" : "range", min: "0", max: String(this.steps), step: "1" });
+    this.slider.ariaLabel = `${label}${unit === "" ? "" : `, ${unit}`}`;
+    this.field = onOff ? null : element("input", { type: "number", min: String(min), max: String(max), step: "any", ariaLabel: `${label} as a number` });
+    this.revert = element("button", { className: "default", textContent: "↺", ariaLabel: `Back to the preset's ${label}` });
+    const caption = element("label", { htmlFor: id, textContent: label, title: help });
+    this.root = element("div", { className: label.length > 5 ? "gain long" : "gain" }, [
+      caption,
+      this.slider,
+      this.field ?? element("span"),
+      element("span", { className: "unit", textContent: unit }),
+      this.revert,
+    ]);
+    this.listen(onOff);
+    this.show(true);
+  }
+
+  /** Shows the value in force, unless the operator has hold of it. */
+  show(force = false): void {
+    const gain = this.gain();
+    this.revert.title = `Back to ${formatGain(gain.preset_value)}`;
+    if (!force && (this.before !== null || this.unanswered !== 0)) return;
+    if (this.slider.type === "checkbox") this.slider.checked = gain.value >= 0.5;
+    else this.slider.value = String(Math.round(positionOf(gain.value, gain) * this.steps));
+    this.slider.ariaValueText = `${formatGain(gain.value)} ${gain.unit}`;
+    if (this.field !== null && (force || document.activeElement !== this.field)) this.field.value = formatGain(gain.value);
+  }
+
+  /** The server has put a value in force. */
+  answered(): void {
+    const { name, value } = this.gain();
+    // An echo of an earlier position of the drag does not answer the last one.
+    if (this.asked !== null && Math.abs(value - this.asked.to) > SAME * Math.abs(value)) return;
+    this.settle();
+    if (this.asked !== null) this.handlers.commit(name, this.asked.from, value);
+    this.asked = null;
+    this.show(this.before === null);
+  }
+
+  /** The server has refused: its value stands, and there is nothing to undo. */
+  refused(): void {
+    if (this.unanswered === 0) return;
+    this.settle();
+    this.asked = null;
+    this.show(true);
+  }
+
+  mark(modified: boolean): void {
+    this.root.classList.toggle("modified", modified);
+    this.revert.tabIndex = modified ? 0 : -1;
+  }
+
+  private listen(onOff: boolean): void {
+    this.root.addEventListener("pointerenter", () => this.handlers.point(this.gain().name));
+    this.root.addEventListener("focusin", () => this.handlers.point(this.gain().name));
+    this.revert.addEventListener("click", () => this.finish(this.gain().preset_value));
+    if (onOff) {
+      this.slider.addEventListener("change", () => this.finish(this.slider.checked ? 1 : 0));
+      return;
+    }
+    this.slider.addEventListener("input", () => this.drag(this.sliderValue()));
+    this.slider.addEventListener("change", () => this.finish(this.sliderValue()));
+    this.field?.addEventListener("input", () => this.typing(true));
+    this.field?.addEventListener("blur", () => this.typing(false));
+    this.field?.addEventListener("change", () => this.typed());
+    this.field?.addEventListener("keydown", (event) => this.fieldKey(event));
+  }
+
+  private sliderValue(): number {
+    return valueAt(Number(this.slider.value) / this.steps, this.gain());
+  }
+
+  /** Marks the field while its text is not yet a request, so that Ctrl+Z belongs to the text. */
+  private typing(yes: boolean): void {
+    if (this.field !== null) this.field.dataset["typing"] = String(yes);
+  }
+
+  /** Any number is sent as typed: the server refuses what it cannot use, and says why. */
+  private typed(): void {
+    const value = this.field?.valueAsNumber ?? NaN;
+    this.typing(false);
+    if (Number.isNaN(value)) this.show(true);
+    else this.finish(value);
+  }
+
+  private fieldKey(event: KeyboardEvent): void {
+    if (event.key === "Enter") this.typed();
+    if (event.key === "Escape") this.show(true);
+    const by = event.key === "ArrowUp" ? 1 : event.key === "ArrowDown" ? -1 : 0;
+    if (by === 0) return;
+    event.preventDefault();
+    const { value, step, min, max } = this.gain();
+    this.finish(Math.min(max, Math.max(min, Number((value + by * step * (event.shiftKey ? 10 : 1)).toPrecision(9)))));
+  }
+
+  private drag(value: number): void {
+    this.before ??= this.gain().value;
+    if (this.field !== null) this.field.value = formatGain(value);
+    window.clearTimeout(this.later);
+    const wait = this.sentAt + SEND_EVERY_MS - performance.now();
+    if (wait <= 0) this.send(value);
+    else this.later = window.setTimeout(() => this.send(value), wait);
+  }
+
+  private finish(value: number): void {
+    window.clearTimeout(this.later);
+    const from = this.before ?? this.gain().value;
+    this.before = null;
+    if (value === this.gain().value) {
+      // The last position of the drag is in force already.
+      this.handlers.commit(this.gain().name, from, value);
+      return this.show(true);
+    }
+    this.asked = { from: this.asked?.from ?? from, to: value };
+    this.send(value);
+    if (this.field !== null) this.field.value = formatGain(value);
+  }
+
+  private send(value: number): void {
+    this.sentAt = performance.now();
+    this.handlers.send(this.gain().name, value);
+    this.root.classList.add("pending");
+    window.clearTimeout(this.unanswered);
+    this.unanswered = window.setTimeout(() => {
+      this.settle();
+      this.asked = null;
+      this.show(true);
+    }, ANSWER_WITHIN_MS);
+  }
+
+  private settle(): void {
+    window.clearTimeout(this.unanswered);
+    this.unanswered = 0;
+    this.root.classList.remove("pending");
+  }
+}
