@@ -12,11 +12,24 @@ use super::{GravityModel, HORIZON, History, NOMINAL_SCALE, Predictor, gravity};
 use crate::notation::Coords;
 use crate::tick::Forecast;
 
-/// Inputs: phi, theta, q1, q2, eight rates, eight forces.
-const N_INPUTS: usize = 20;
+/// Inputs: phi, theta, q1, q2, eight rates, eight slow forces, eight fast forces.
+const N_INPUTS: usize = 28;
 
 /// Spread of the rows of `A`: features stay in the bent part of `tanh` over normal flight.
-const PROJECTION_STD: f64 = 0.25;
+const PROJECTION_STD: f64 = 0.5;
+
+/// Spread of the offsets `b`.
+const OFFSET_STD: f64 = 0.3;
+
+/// Slow forces (their moving mean) are divided by this times the residual's spread: a payload is three spreads.
+const SLOW_SCALE: f64 = 3.0;
+
+/// Fast forces (the rest) are divided by this times the residual's spread: fine enough that hovering excites every feature, or
+/// the adapter learns the residual of a hover at the pace of a bias.
+const FAST_SCALE: f64 = 0.3;
+
+/// Time constant of the moving mean, ticks.
+const MEAN_TICKS: f64 = 60.0;
 
 /// Scale of attitude (rad), joint angles (rad), then of the eight rates (m/s, rad/s).
 const ATTITUDE_SCALE_RAD: f64 = 0.1;
@@ -31,6 +44,7 @@ pub struct RandomFeatures {
     model: GravityModel,
     projection: DMatrix<f64>,
     offset: DVector<f64>,
+    mean: Option<Coords>,
 }
 
 impl RandomFeatures {
@@ -39,18 +53,20 @@ impl RandomFeatures {
         let mut rng = Pcg64::seed_from_u64(seed);
         let unit = Normal::new(0.0, 1.0).expect("a unit normal has a positive spread");
         let mut projection = DMatrix::from_fn(d_k, N_INPUTS, |_, _| unit.sample(&mut rng) * PROJECTION_STD);
-        let mut offset = DVector::from_fn(d_k, |_, _| unit.sample(&mut rng) * 0.7);
+        let mut offset = DVector::from_fn(d_k, |_, _| unit.sample(&mut rng) * OFFSET_STD);
         if d_k > 0 {
             projection.row_mut(0).fill(0.0);
             offset[0] = 20.0;
         }
-        Self { model, projection, offset }
+        Self { model, projection, offset, mean: None }
     }
 
-    fn inputs(&self, history: &History) -> DVector<f64> {
+    fn inputs(&mut self, history: &History) -> DVector<f64> {
         let mut z = DVector::zeros(N_INPUTS);
         let Some(entry) = history.newest() else { return z };
-        let gravity = (self.model)(&entry.chi);
+        let force = entry.tau_previous - (self.model)(&entry.chi);
+        let mean = self.mean.map_or(force, |mean| mean + (force - mean) / MEAN_TICKS);
+        self.mean = Some(mean);
         z[0] = entry.chi[3] / ATTITUDE_SCALE_RAD;
         z[1] = entry.chi[4] / ATTITUDE_SCALE_RAD;
         for joint in 0..2 {
@@ -58,7 +74,8 @@ impl RandomFeatures {
         }
         for row in 0..8 {
             z[4 + row] = entry.chi_dot[row] / RATE_SCALE[row];
-            z[12 + row] = (entry.tau_previous[row] - gravity[row]) / (2.0 * NOMINAL_SCALE[row]);
+            z[12 + row] = mean[row] / (SLOW_SCALE * NOMINAL_SCALE[row]);
+            z[20 + row] = (force[row] - mean[row]) / (FAST_SCALE * NOMINAL_SCALE[row]);
         }
         z
     }
@@ -70,7 +87,8 @@ impl Predictor for RandomFeatures {
     }
 
     fn predict(&mut self, history: &History) -> Forecast {
-        let regime = (&self.projection * self.inputs(history) + &self.offset).map(f64::tanh);
+        let inputs = self.inputs(history);
+        let regime = (&self.projection * inputs + &self.offset).map(f64::tanh);
         let base: Coords = gravity::base(&self.model, history);
         Forecast { base: vec![base; HORIZON + 1], regime: regime.iter().copied().collect() }
     }
