@@ -14,4 +14,5 @@ pub mod plant;
 pub mod residual;
 pub mod control;
 pub mod task;
+pub mod mirror;
 pub mod scenario;
