@@ -16,3 +16,4 @@ pub mod control;
 pub mod task;
 pub mod mirror;
 pub mod scenario;
+pub mod server;
