@@ -14,4 +14,6 @@ pub mod plant;
 pub mod residual;
 pub mod control;
 pub mod task;
+pub mod mirror;
 pub mod scenario;
+pub mod server;

@@ -16,12 +16,13 @@ use std::path::{Path, PathBuf};
 
 pub use file::ScenarioError;
 pub use run::{Report, fly};
-pub use scene::{Scene, SceneBody};
 pub use settings::Settings;
 pub use verdict::{Judge, Verdict};
 
-use crate::control::Preset;
+pub use crate::control::Preset;
 use crate::flight::Flight;
+use crate::mirror::RecordingInfo;
+use crate::mirror::scene::Scene;
 use crate::tuning::Tuning;
 
 /// Every key of a scenario with its default; also the schema.
@@ -95,6 +96,28 @@ impl Scenario {
         let path = self.folder().join(&self.settings.vehicle.urdf);
         std::fs::read_to_string(&path)
             .map_err(|error| BuildError::Unreadable { file: path.display().to_string(), reason: error.to_string() })
+    }
+
+    /// What a recording says about a flight of this scenario that starts with `tuning`.
+    ///
+    /// # Errors
+    /// [`BuildError`] if a model file is not usable.
+    pub fn recording_info(&self, tuning: &Tuning) -> Result<RecordingInfo, BuildError> {
+        let unwritable = |what: &'static str| {
+            move |error: &dyn std::fmt::Display| BuildError::Unfit {
+                key: what,
+                reason: format!("cannot be written into a recording: {error}"),
+            }
+        };
+        Ok(RecordingInfo {
+            scenario: self.name.clone(),
+            scenario_toml: toml::to_string(&self.settings).map_err(|e| unwritable("scenario")(&e))?,
+            seed: self.settings.seed,
+            gains_json: serde_json::to_string(tuning).map_err(|e| unwritable("gains")(&e))?,
+            urdf: self.urdf_text()?,
+            scene: self.scene()?,
+            joint_names: self.settings.vehicle.arm_joints.clone(),
+        })
     }
 
     /// Folder of the scenario file.

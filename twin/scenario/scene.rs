@@ -1,60 +1,11 @@
 //! What the viewers draw: shapes of vehicle, arena and payload, parsed once, in the order of [`crate::tick::Truth::poses`].
 
 use nalgebra::Isometry3;
-use serde::Serialize;
 
 use super::{BuildError, Scenario, assemble};
+use crate::mirror::scene::{Scene, SceneBody, SceneGroup, SceneRotor};
 use crate::model::{Geometry, Shape, link_poses};
 use crate::tick::Pose;
-
-/// Everything to draw.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Scene {
-    /// Moving bodies first, in the order of the poses of a tick, then fixed ones.
-    pub bodies: Vec<SceneBody>,
-    /// Rotor discs in the root body.
-    pub rotors: Vec<SceneRotor>,
-    /// Name of the vehicle's root body.
-    pub base_body: String,
-}
-
-/// One body.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct SceneBody {
-    /// Unique name.
-    pub name: String,
-    /// Its pose comes with every tick.
-    pub moving: bool,
-    /// Group it belongs to.
-    pub group: SceneGroup,
-    /// Pose at the start.
-    pub pose: Pose,
-    /// Shapes in the body frame.
-    pub shapes: Vec<Geometry>,
-}
-
-/// Group of a body.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum SceneGroup {
-    /// The vehicle.
-    Vehicle,
-    /// Fixed objects.
-    Arena,
-    /// The cube.
-    Payload,
-}
-
-/// One rotor disc.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct SceneRotor {
-    /// Centre in the root body, m.
-    pub position_in_body: [f64; 3],
-    /// Radius, m.
-    pub radius_m: f64,
-    /// +1 counter-clockwise seen from above.
-    pub spin: f64,
-}
 
 /// Colour of the payload cube.
 const PAYLOAD_RGBA: [f32; 4] = [0.90, 0.62, 0.0, 1.0];
@@ -71,20 +22,20 @@ pub(super) fn scene(scenario: &Scenario) -> Result<Scene, BuildError> {
         .links
         .iter()
         .zip(link_poses(&models.robot, &root, &zeros))
-        .map(|(link, pose)| body(&link.name, true, SceneGroup::Vehicle, &pose, link.visuals.clone()))
+        .map(|(link, pose)| body(&link.name, true, SceneGroup::Vehicle, &pose, &link.visuals))
         .collect();
     if settings.payload.mass_kg > 0.0 {
         let shape = Shape::Box { size_m: [settings.payload.size_m; 3] };
         let cube = Geometry { origin: Isometry3::identity(), shape, rgba: PAYLOAD_RGBA };
         let [x, y, z] = settings.payload.position_m;
-        bodies.push(body("payload", true, SceneGroup::Payload, &Isometry3::translation(x, y, z), vec![cube]));
+        bodies.push(body("payload", true, SceneGroup::Payload, &Isometry3::translation(x, y, z), &[cube]));
     }
     for (object, robot) in settings.arena.objects.iter().zip(&models.objects) {
         let [x, y, z] = object.position_m;
         let poses = link_poses(robot, &Isometry3::translation(x, y, z), &vec![0.0; robot.joints.len()]);
         for (link, pose) in robot.links.iter().zip(poses) {
             let name = format!("{}/{}", object.name, link.name);
-            bodies.push(body(&name, false, SceneGroup::Arena, &pose, link.visuals.clone()));
+            bodies.push(body(&name, false, SceneGroup::Arena, &pose, &link.visuals));
         }
     }
     let rotor = &settings.vehicle.rotor;
@@ -94,14 +45,14 @@ pub(super) fn scene(scenario: &Scenario) -> Result<Scene, BuildError> {
             .vehicle
             .rotors
             .iter()
-            .map(|r| SceneRotor { position_in_body: r.position_m, radius_m: rotor.radius_m, spin: r.spin })
+            .map(|r| SceneRotor { position_in_body: r.position_m, radius_m: rotor.radius_m, spin: if r.spin < 0.0 { -1 } else { 1 } })
             .collect(),
         base_body: models.robot.links[models.robot.root].name.clone(),
     })
 }
 
-fn body(name: &str, moving: bool, group: SceneGroup, pose: &Isometry3<f64>, shapes: Vec<Geometry>) -> SceneBody {
+fn body(name: &str, moving: bool, group: SceneGroup, pose: &Isometry3<f64>, shapes: &[Geometry]) -> SceneBody {
     let q = pose.rotation;
     let pose = Pose { position: pose.translation.vector.into(), quaternion_wxyz: [q.w, q.i, q.j, q.k] };
-    SceneBody { name: name.to_owned(), moving, group, pose, shapes }
+    SceneBody { name: name.to_owned(), moving, group, pose, shapes: shapes.iter().map(Into::into).collect() }
 }

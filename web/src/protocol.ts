@@ -1,107 +1,494 @@
-// Messages of the `/ws` endpoint. Text frames carry one of these as JSON; telemetry is binary (link/decode.ts).
-// Lengths in m, angles in rad, times in s of simulated time, quaternions [w, x, y, z].
+// Generated from twin/server/protocol.rs and twin/mirror/scene.rs; do not edit.
+// Refresh: TWIN_UPDATE=1 cargo test --release protocol_ts
 
 export const PROTOCOL_VERSION = 1;
 
-export type ServerMessage =
-  | ({ type: "hello" } & Hello)
-  | ({ type: "state" } & StateInfo)
-  | ({ type: "gain" } & GainEcho)
-  | ({ type: "gains" } & GainList)
-  | { type: "events"; events: Array<EventInfo> }
-  | ({ type: "notice" } & Notice)
-  | { type: "pong"; t: number; t_s: number }
-  | { type: "reset" };
+/**
+ * What the server says.
+ */
+export type ServerMessage = { "type": "hello" } & Hello | { "type": "state" } & StateInfo | { "type": "gain" } & GainEcho | { "type": "gains" } & GainList | { "type": "events", 
+/**
+ * In the order they happened.
+ */
+events: Array<EventInfo>, } | { "type": "notice" } & Notice | { "type": "pong", 
+/**
+ * The number sent.
+ */
+t: number, 
+/**
+ * Simulated time, s.
+ */
+t_s: number, } | { "type": "reset", };
 
-export type ClientMessage =
-  | { type: "set_gain"; name: string; value: number }
-  | { type: "preset"; name: PresetName }
-  | { type: "pause"; paused: boolean }
-  | { type: "step"; ticks: number }
-  | { type: "speed"; value: number | null }
-  | { type: "restart"; seed: number | null; scenario: string | null }
-  | { type: "ping"; t: number };
+/**
+ * What a client may ask.
+ */
+export type ClientMessage = { "type": "set_gain", 
+/**
+ * Name of the gain.
+ */
+name: string, 
+/**
+ * New value, in the unit of the gain.
+ */
+value: number, } | { "type": "preset", 
+/**
+ * The preset; `custom` is refused.
+ */
+name: PresetName, } | { "type": "pause", 
+/**
+ * Stop or resume.
+ */
+paused: boolean, } | { "type": "step", 
+/**
+ * How many.
+ */
+ticks: number, } | { "type": "speed", 
+/**
+ * Factor.
+ */
+value: number | null, } | { "type": "restart", 
+/**
+ * Seed; `null` keeps the one in use.
+ */
+seed: number | null, 
+/**
+ * Name out of `hello.scenarios`; `null` keeps the one in use.
+ */
+scenario: string | null, } | { "type": "ping", 
+/**
+ * Any number; it comes back.
+ */
+t: number, } | { "type": "disturb", 
+/**
+ * What to change.
+ */
+disturbance: Disturbance, };
 
-export type Hello = {
-  protocol: number;
-  schema_id: number;
-  client_id: number;
-  scenario: string;
-  scenarios: Array<ScenarioInfo>;
-  tick_s: number;
-  scene: Scene;
-  channels: Array<ChannelInfo>;
-  gains: Array<GainInfo>;
-  preset: PresetName;
-  state: StateInfo;
-  events: Array<EventInfo>;
-};
+/**
+ * The form of a [`Disturbance`] for the generator of protocol.ts.
+ */
+export type Disturbance = { "kind": "payload_mass", 
+/**
+ * kg.
+ */
+kg: number, } | { "kind": "wind", 
+/**
+ * m/s.
+ */
+velocity_m_s: [number, number, number], } | { "kind": "push", 
+/**
+ * N, in the world.
+ */
+force_n: [number, number, number], 
+/**
+ * s.
+ */
+duration_s: number, } | { "kind": "drop_payload" } | { "kind": "effect", 
+/**
+ * Name of the effect.
+ */
+name: string, 
+/**
+ * In force or not.
+ */
+on: boolean, };
 
-export type ScenarioInfo = { name: string; title: string };
+/**
+ * Everything a client needs to start from nothing.
+ */
+export type Hello = { 
+/**
+ * [`PROTOCOL_VERSION`].
+ */
+protocol: number, 
+/**
+ * Which telemetry rows fit these channels and bodies; frames of another id are to be ignored.
+ */
+schema_id: number, 
+/**
+ * Number of this client.
+ */
+client_id: number, 
+/**
+ * Name of the scenario in flight.
+ */
+scenario: string, 
+/**
+ * Scenarios that `restart` accepts.
+ */
+scenarios: Array<ScenarioInfo>, 
+/**
+ * Period of a tick, s.
+ */
+tick_s: number, 
+/**
+ * What to draw.
+ */
+scene: Scene, 
+/**
+ * Channels in the order of a telemetry row.
+ */
+channels: Array<ChannelInfo>, 
+/**
+ * Values that `set_gain` accepts.
+ */
+gains: Array<GainInfo>, 
+/**
+ * Preset in force.
+ */
+preset: PresetName, 
+/**
+ * How the flight stands.
+ */
+state: StateInfo, 
+/**
+ * The last events, oldest first.
+ */
+events: Array<EventInfo>, };
 
-export type ChannelInfo = { name: string; label: string; group: string; unit: string; row: string | null };
+/**
+ * A scenario that can be flown.
+ */
+export type ScenarioInfo = { 
+/**
+ * Unique name.
+ */
+name: string, 
+/**
+ * For people.
+ */
+title: string, };
 
-export type GainInfo = {
-  name: string;
-  label: string;
-  group: string;
-  unit: string;
-  help: string;
-  min: number;
-  max: number;
-  step: number;
-  value: number;
-  preset_value: number;
-};
+/**
+ * One number of a telemetry row.
+ */
+export type ChannelInfo = { 
+/**
+ * Unique name, `residual.x`.
+ */
+name: string, 
+/**
+ * For people.
+ */
+label: string, 
+/**
+ * Group it is shown under.
+ */
+group: string, 
+/**
+ * Unit, empty if none.
+ */
+unit: string, 
+/**
+ * Coordinate it belongs to.
+ */
+row: string | null, };
 
-export type GainEcho = { name: string; value: number; tick: number; preset: PresetName };
+/**
+ * One value an operator may change.
+ */
+export type GainInfo = { 
+/**
+ * Unique name, `slope.x`.
+ */
+name: string, 
+/**
+ * Symbol as in the paper.
+ */
+label: string, 
+/**
+ * Group it is shown under.
+ */
+group: string, 
+/**
+ * Unit, empty if none.
+ */
+unit: string, 
+/**
+ * What it does, one sentence.
+ */
+help: string, 
+/**
+ * Smallest allowed value.
+ */
+min: number, 
+/**
+ * Largest allowed value.
+ */
+max: number, 
+/**
+ * Step of a slider.
+ */
+step: number, 
+/**
+ * Value in force.
+ */
+value: number, 
+/**
+ * Value of the preset chosen last.
+ */
+preset_value: number, };
 
-export type GainList = { gains: Array<GainInfo>; preset: PresetName; tick: number };
+/**
+ * A gain that took effect.
+ */
+export type GainEcho = { 
+/**
+ * Name of the gain.
+ */
+name: string, 
+/**
+ * Value in force.
+ */
+value: number, 
+/**
+ * First tick flown with it.
+ */
+tick: number, 
+/**
+ * Preset all values now agree with.
+ */
+preset: PresetName, };
 
+/**
+ * All gains.
+ */
+export type GainList = { 
+/**
+ * Every gain with its value in force.
+ */
+gains: Array<GainInfo>, 
+/**
+ * Preset all values agree with.
+ */
+preset: PresetName, 
+/**
+ * First tick flown with them.
+ */
+tick: number, };
+
+/**
+ * Name of a set of gains.
+ */
 export type PresetName = "literal" | "paper" | "tuned" | "custom";
 
-export type StateInfo = {
-  phase: FlightPhase;
-  speed: number | null;
-  scenario: string;
-  seed: number;
-  tick: number;
-  t_s: number;
-  task_phase: string;
-  verdict: string | null;
-  reason: string | null;
-  real_time_factor: number;
-  clients: number;
-};
+/**
+ * How the flight stands.
+ */
+export type StateInfo = { 
+/**
+ * Flying, paused or ended.
+ */
+phase: FlightPhase, 
+/**
+ * Simulated seconds per second that are asked for; `null` is as fast as the machine can.
+ */
+speed: number | null, 
+/**
+ * Name of the scenario.
+ */
+scenario: string, 
+/**
+ * Seed of the run.
+ */
+seed: number, 
+/**
+ * Ticks flown.
+ */
+tick: number, 
+/**
+ * Simulated time, s.
+ */
+t_s: number, 
+/**
+ * Phase of the task.
+ */
+task_phase: string, 
+/**
+ * Verdict of a flight that ended.
+ */
+verdict: string | null, 
+/**
+ * Its reason.
+ */
+reason: string | null, 
+/**
+ * Simulated seconds per second that are reached.
+ */
+real_time_factor: number, 
+/**
+ * Clients connected.
+ */
+clients: number, };
 
+/**
+ * Whether ticks are flown.
+ */
 export type FlightPhase = "flying" | "paused" | "ended";
 
-export type EventInfo = { tick: number; t_s: number; kind: string; text: string };
+/**
+ * Something that happened.
+ */
+export type EventInfo = { 
+/**
+ * At which tick.
+ */
+tick: number, 
+/**
+ * At which simulated time, s.
+ */
+t_s: number, 
+/**
+ * What kind of thing.
+ */
+kind: string, 
+/**
+ * One sentence.
+ */
+text: string, };
 
-export type Notice = { level: NoticeLevel; text: string };
+/**
+ * A word to one client.
+ */
+export type Notice = { 
+/**
+ * How serious.
+ */
+level: NoticeLevel, 
+/**
+ * One sentence.
+ */
+text: string, };
 
+/**
+ * How serious a notice is.
+ */
 export type NoticeLevel = "info" | "warning" | "error";
 
-export type Scene = { bodies: Array<SceneBody>; rotors: Array<SceneRotor>; base_body: string };
+/**
+ * Everything there is to draw.
+ */
+export type Scene = { 
+/**
+ * Bodies; the moving ones are in the order of [`crate::tick::Truth::poses`].
+ */
+bodies: Array<SceneBody>, 
+/**
+ * Rotor discs of the vehicle, in rotor order.
+ */
+rotors: Array<SceneRotor>, 
+/**
+ * Name of the body that is the vehicle's root.
+ */
+base_body: string, };
 
-export type SceneBody = { name: string; moving: boolean; pose: ScenePose; group: SceneGroup; shapes: Array<ShapeInfo> };
+/**
+ * One body.
+ */
+export type SceneBody = { 
+/**
+ * Unique name.
+ */
+name: string, 
+/**
+ * Its pose changes from tick to tick.
+ */
+moving: boolean, 
+/**
+ * World pose at the start, and for good if it does not move, m.
+ */
+pose: ScenePose, 
+/**
+ * What the body belongs to.
+ */
+group: SceneGroup, 
+/**
+ * Shapes in the body's frame.
+ */
+shapes: Array<ShapeInfo>, };
 
-export type ScenePose = { position: [number, number, number]; quaternion_wxyz: [number, number, number, number] };
+/**
+ * The form of a pose in the browser's protocol, m and `[w x y z]`.
+ */
+export type ScenePose = { position: [number, number, number], quaternion_wxyz: [number, number, number, number], };
 
+/**
+ * What a body belongs to.
+ */
 export type SceneGroup = "vehicle" | "arena" | "payload";
 
-export type ShapeInfo = {
-  shape: SceneShape;
-  position: [number, number, number];
-  quaternion_wxyz: [number, number, number, number];
-  rgba: [number, number, number, number];
-};
+/**
+ * One shape of a body.
+ */
+export type ShapeInfo = { 
+/**
+ * Form and size.
+ */
+shape: SceneShape, 
+/**
+ * Origin in the body's frame, m.
+ */
+position: [number, number, number], 
+/**
+ * Body-from-shape quaternion, `[w x y z]`.
+ */
+quaternion_wxyz: [number, number, number, number], 
+/**
+ * Colour and opacity, 0 to 1.
+ */
+rgba: [number, number, number, number], };
 
-export type SceneShape =
-  | { kind: "box"; size_m: [number, number, number] }
-  | { kind: "cylinder"; radius_m: number; length_m: number }
-  | { kind: "sphere"; radius_m: number }
-  | { kind: "capsule"; radius_m: number; length_m: number }
-  | { kind: "mesh"; vertices: Array<[number, number, number]>; triangles: Array<[number, number, number]> };
+/**
+ * Form and size of a shape, centred on its origin; cylinder and capsule along z.
+ */
+export type SceneShape = { "kind": "box", 
+/**
+ * Edge lengths, m.
+ */
+size_m: [number, number, number], } | { "kind": "cylinder", 
+/**
+ * Radius, m.
+ */
+radius_m: number, 
+/**
+ * Length, m.
+ */
+length_m: number, } | { "kind": "sphere", 
+/**
+ * Radius, m.
+ */
+radius_m: number, } | { "kind": "capsule", 
+/**
+ * Radius, m.
+ */
+radius_m: number, 
+/**
+ * Length of the cylinder part, m.
+ */
+length_m: number, } | { "kind": "mesh", 
+/**
+ * Corners, m.
+ */
+vertices: Array<[number, number, number]>, 
+/**
+ * Indices into the corners.
+ */
+triangles: Array<[number, number, number]>, };
 
-export type SceneRotor = { position_in_body: [number, number, number]; radius_m: number; spin: number };
+/**
+ * One rotor disc.
+ */
+export type SceneRotor = { 
+/**
+ * Hub in the frame of the vehicle's root, m.
+ */
+position_in_body: [number, number, number], 
+/**
+ * Radius, m.
+ */
+radius_m: number, 
+/**
+ * 1: counter-clockwise seen from above, -1: clockwise.
+ */
+spin: number, };

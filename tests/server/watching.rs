@@ -1,0 +1,87 @@
+//! What a client sees: the hello, every tick, and the truth about what it missed.
+
+use super::console::{Arrival, Console, options, serve};
+use twin::server::spawn;
+
+#[test]
+fn the_hello_comes_first_and_describes_the_frames_that_follow() {
+    let running = serve();
+    let mut console = Console::connect(running.address());
+    let Arrival::Json(hello) = console.next() else { panic!("the first message is no JSON") };
+    assert_eq!((&hello["type"], &hello["protocol"]), (&"hello".into(), &1.into()));
+    let frame = console.frame();
+    assert_eq!(u64::from(frame.schema_id), hello["schema_id"].as_u64().unwrap());
+    assert_eq!(frame.rows[0].len(), hello["channels"].as_array().unwrap().len());
+    let bodies = hello["scene"]["bodies"].as_array().unwrap();
+    assert_eq!(frame.bodies, bodies.iter().filter(|body| body["moving"] == true).count());
+    assert!(bodies.iter().any(|body| body["name"] == hello["scene"]["base_body"]));
+    assert!(hello["gains"].as_array().unwrap().len() > 20);
+    // A row's time is (tick + 1) × tick_s; the newest row's is in the header.
+    let tick_s = hello["tick_s"].as_f64().unwrap();
+    assert!((frame.t_s - frame.after() as f64 * tick_s).abs() < 1e-9, "{frame:?}");
+}
+
+#[test]
+fn the_state_comes_at_least_twice_a_second_and_counts_the_clients() {
+    let running = serve();
+    let (mut one, mut two) =
+        (Console::connect(running.address()), Console::connect(running.address()));
+    let start = std::time::Instant::now();
+    for _ in 0..4 {
+        one.message("state");
+    }
+    // Four states take 1.6 s; twice a second would be 2 s, and a loaded machine gets another second.
+    assert!(start.elapsed().as_secs_f64() < 3.0, "{:?}", start.elapsed());
+    let state = two.message_that("state", |state| state["clients"] == 2);
+    assert_eq!(state["phase"], "flying");
+    drop(one);
+    two.message_that("state", |state| state["clients"] == 1);
+}
+
+#[test]
+fn a_slow_client_is_told_what_it_missed_and_slows_nobody() {
+    let mut fast = options();
+    fast.speed = Some(10.0);
+    let running = spawn(fast).expect("a free port");
+    let mut slow = Console::connect(running.address());
+    let mut healthy = Console::connect(running.address());
+    let slow_hello = slow.message("hello");
+    assert!(slow_hello["client_id"].as_u64().unwrap() > 0);
+
+    let first = healthy.frame();
+    let mut next = first.after();
+    while next < first.first_tick + 6000 {
+        let frame = healthy.frame();
+        assert_eq!((frame.gap, frame.first_tick), (0, next), "a client that reads misses nothing");
+        next = frame.after();
+    }
+
+    let mut seen = 0;
+    let mut missed = 0;
+    let mut expected = None;
+    while seen + missed < 5000 {
+        let frame = slow.frame();
+        if let Some(expected) = expected {
+            assert_eq!(frame.first_tick, expected + frame.gap, "rows, gaps and ticks add up");
+        }
+        expected = Some(frame.after());
+        seen += frame.rows.len() as u64;
+        missed += frame.gap;
+    }
+    assert!(missed > 0, "6000 ticks fitted into the buffers of a client that did not read");
+}
+
+#[test]
+fn real_time_is_kept() {
+    let running = serve();
+    let mut console = Console::connect(running.address());
+    let first = console.frame();
+    let start = std::time::Instant::now();
+    let mut last = first.after();
+    while start.elapsed().as_secs_f64() < 1.5 {
+        last = console.frame().after();
+    }
+    let factor = (last - first.after()) as f64 * 0.01 / start.elapsed().as_secs_f64();
+    // Deadlines do not drift; a busy test machine may take a tick or ten late at either end.
+    assert!((factor - 1.0).abs() < 0.15, "{factor}");
+}

@@ -1,0 +1,262 @@
+//! What the flight publishes and who listens. The flight never waits here longer than it takes to copy a few pointers.
+//!
+//! A client that joins is given a snapshot and its place in the list under one lock, so it misses nothing that follows.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use tokio::sync::Notify;
+
+use crate::mirror::scene::Scene;
+use crate::notation::TICK_S;
+use crate::server::outbox::{Farewell, Message, Outbox};
+use crate::server::pace::STAGES;
+use crate::server::protocol::{
+    ChannelInfo, EVENTS_KEPT, EventInfo, GainInfo, Hello, Notice, NoticeLevel, PROTOCOL_VERSION,
+    PresetName, ScenarioInfo, ServerMessage, StateInfo,
+};
+use crate::server::telemetry::Picture;
+use crate::tick::Tick;
+
+/// Clients that may be connected at once.
+pub(super) const MOST_CLIENTS: usize = 128;
+
+/// Everything a new client is told.
+#[derive(Clone, Debug)]
+pub(super) struct Published {
+    /// Which telemetry rows fit.
+    pub schema_id: u16,
+    /// Scenarios that can be flown.
+    pub scenarios: Arc<Vec<ScenarioInfo>>,
+    /// What to draw.
+    pub scene: Arc<Scene>,
+    /// Numbers of a row.
+    pub channels: Arc<Vec<ChannelInfo>>,
+    /// Gains with their values in force.
+    pub gains: Vec<GainInfo>,
+    /// Preset in force.
+    pub preset: PresetName,
+    /// How the flight stands.
+    pub state: StateInfo,
+    /// The last events, oldest first.
+    pub events: VecDeque<EventInfo>,
+    /// Mean time of each of the [`STAGES`] per tick since the state before, ms.
+    pub cost_ms: [f64; STAGES.len()],
+}
+
+impl Published {
+    /// The `hello` for a client.
+    pub(super) fn hello(&self, client_id: u64) -> ServerMessage {
+        ServerMessage::Hello(Box::new(Hello {
+            protocol: PROTOCOL_VERSION,
+            schema_id: self.schema_id,
+            client_id,
+            scenario: self.state.scenario.clone(),
+            scenarios: self.scenarios.to_vec(),
+            tick_s: TICK_S,
+            scene: (*self.scene).clone(),
+            channels: self.channels.to_vec(),
+            gains: self.gains.clone(),
+            preset: self.preset,
+            state: self.state.clone(),
+            events: self.events.iter().cloned().collect(),
+        }))
+    }
+
+    /// Keeps the newest events.
+    pub(super) fn remember(&mut self, events: &[EventInfo]) {
+        self.events.extend(events.iter().cloned());
+        while self.events.len() > EVENTS_KEPT {
+            self.events.pop_front();
+        }
+    }
+}
+
+/// One connected client.
+#[derive(Debug)]
+pub(super) struct Client {
+    /// Its number.
+    pub id: u64,
+    /// Something waits in the outbox.
+    pub wake: Notify,
+    outbox: Mutex<Outbox>,
+}
+
+impl Client {
+    /// What waits for it.
+    pub(super) fn outbox(&self) -> MutexGuard<'_, Outbox> {
+        self.outbox.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// A word to this client alone; dropped if it does not read.
+    pub(super) fn notice(&self, level: NoticeLevel, text: impl Into<String>) {
+        self.say(&ServerMessage::Notice(Notice { level, text: text.into() }));
+    }
+
+    /// A message to this client alone; dropped if it does not read.
+    pub(super) fn say(&self, message: &ServerMessage) {
+        if !self.outbox().push_message(Message::Json(json(message))) {
+            tracing::debug!("client {} does not read; a message to it was dropped", self.id);
+        }
+        self.wake.notify_one();
+    }
+
+    /// Closes the connection with a reason.
+    pub(super) fn close(&self, code: u16, reason: impl Into<String>) {
+        self.outbox().close(Farewell { code, reason: reason.into() });
+        self.wake.notify_one();
+    }
+}
+
+struct Shared {
+    published: Published,
+    clients: BTreeMap<u64, Arc<Client>>,
+    next_id: u64,
+    flying: bool,
+}
+
+/// The meeting point of flight and clients.
+pub(super) struct Hub {
+    shared: Mutex<Shared>,
+}
+
+impl Hub {
+    /// A hub without clients.
+    pub(super) fn new(published: Published) -> Self {
+        Self {
+            shared: Mutex::new(Shared {
+                published,
+                clients: BTreeMap::new(),
+                next_id: 1,
+                flying: true,
+            }),
+        }
+    }
+
+    fn shared(&self) -> MutexGuard<'_, Shared> {
+        self.shared.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Takes a client in; `None` if there are too many.
+    pub(super) fn join(&self) -> Option<Arc<Client>> {
+        let mut shared = self.shared();
+        if shared.clients.len() >= MOST_CLIENTS {
+            return None;
+        }
+        let client =
+            Arc::new(Client { id: shared.next_id, wake: Notify::new(), outbox: Mutex::default() });
+        shared.next_id += 1;
+        shared.clients.insert(client.id, Arc::clone(&client));
+        shared.published.state.clients = shared.clients.len();
+        let mut outbox = client.outbox();
+        outbox.begin(shared.published.schema_id, false);
+        outbox.start_over(Arc::new(shared.published.clone()));
+        drop(outbox);
+        client.wake.notify_one();
+        Some(client)
+    }
+
+    /// Lets a client go.
+    pub(super) fn leave(&self, id: u64) {
+        let mut shared = self.shared();
+        shared.clients.remove(&id);
+        shared.published.state.clients = shared.clients.len();
+    }
+
+    /// What is published now.
+    pub(super) fn published(&self) -> Published {
+        self.shared().published.clone()
+    }
+
+    /// The flight thread runs.
+    pub(super) fn is_flying(&self) -> bool {
+        self.shared().flying
+    }
+
+    /// The flight thread ended.
+    pub(super) fn landed(&self) {
+        self.shared().flying = false;
+    }
+
+    /// Simulated time of the newest tick, s.
+    pub(super) fn simulated_s(&self) -> f64 {
+        self.shared().published.state.t_s
+    }
+
+    /// A tick for everybody; `draw` is asked only if somebody watches.
+    pub(super) fn tick(&self, tick: &Tick, draw: impl FnOnce() -> (Arc<[f32]>, Arc<Picture>)) {
+        let clients: Vec<Arc<Client>> = {
+            let mut shared = self.shared();
+            shared.published.state.tick = tick.index + 1;
+            shared.published.state.t_s = tick.measurement.t_s;
+            shared.clients.values().cloned().collect()
+        };
+        if clients.is_empty() {
+            return;
+        }
+        let (row, picture) = draw();
+        for client in clients {
+            client.outbox().push_tick(tick.index, Arc::clone(&row), Arc::clone(&picture));
+            client.wake.notify_one();
+        }
+    }
+
+    /// Changes what is published and tells everybody; a client that lets its messages pile up is sent everything anew.
+    pub(super) fn publish(&self, change: impl FnOnce(&mut Published) -> Vec<ServerMessage>) {
+        let mut shared = self.shared();
+        let messages: Vec<Arc<str>> = change(&mut shared.published).iter().map(json).collect();
+        for client in shared.clients.values() {
+            let mut outbox = client.outbox();
+            if !messages.iter().all(|text| outbox.push_message(Message::Json(Arc::clone(text)))) {
+                outbox.start_over(Arc::new(shared.published.clone()));
+            }
+            drop(outbox);
+            client.wake.notify_one();
+        }
+    }
+
+    /// Publishes a flight that starts anew.
+    pub(super) fn restart(&self, published: Published) {
+        let mut shared = self.shared();
+        shared.published = published;
+        shared.published.state.clients = shared.clients.len();
+        let published = Arc::new(shared.published.clone());
+        let reset = json(&ServerMessage::Reset {});
+        for client in shared.clients.values() {
+            let mut outbox = client.outbox();
+            outbox.begin(published.schema_id, true);
+            let fits = outbox.push_message(Message::Json(Arc::clone(&reset)))
+                && outbox.push_message(Message::Hello(Arc::clone(&published)));
+            if !fits {
+                outbox.start_over(Arc::clone(&published));
+            }
+            drop(outbox);
+            client.wake.notify_one();
+        }
+    }
+
+    /// A word to one client, or to everybody.
+    pub(super) fn notice(&self, client: Option<u64>, level: NoticeLevel, text: &str) {
+        let shared = self.shared();
+        for listener in
+            shared.clients.values().filter(|listener| client.is_none_or(|id| id == listener.id))
+        {
+            listener.notice(level, text);
+        }
+    }
+
+    /// Closes every connection.
+    pub(super) fn close_all(&self, reason: &str) {
+        for client in self.shared().clients.values() {
+            client.close(1001, reason);
+        }
+    }
+}
+
+/// The text of a message.
+pub(super) fn json(message: &ServerMessage) -> Arc<str> {
+    let text = serde_json::to_string(message);
+    text.inspect_err(|error| tracing::error!("a message has no JSON form: {error}"))
+        .unwrap_or_default()
+        .into()
+}

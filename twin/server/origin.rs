@@ -1,0 +1,132 @@
+//! Who may talk to the server: pages that it served itself, and programs on this machine.
+//!
+//! The server listens on loopback only, so a `Host` that is no loopback name comes from a foreign page whose name was
+//! made to point here; such a page would pass a comparison of `Origin` with `Host`.
+
+use std::net::IpAddr;
+
+/// Why a request was refused.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub(super) enum OriginError {
+    /// The `Host` header names another machine.
+    #[error(
+        "host {found:?} refused: expected localhost, 127.0.0.1 or [::1]; open the console under one of these names"
+    )]
+    Host {
+        /// What was sent.
+        found: String,
+    },
+    /// The page comes from elsewhere.
+    #[error(
+        "origin {found:?} refused: expected a page of this server; open the console from the server itself"
+    )]
+    Origin {
+        /// What was sent.
+        found: String,
+    },
+}
+
+/// Checks the `Host` header of any request; absent counts as unknown and is refused.
+///
+/// # Errors
+/// [`OriginError::Host`] if it is no loopback name.
+pub(super) fn check_host(host: Option<&str>) -> Result<(), OriginError> {
+    match host {
+        Some(host) if is_loopback(host_name(host)) => Ok(()),
+        other => Err(OriginError::Host { found: shortened(other.unwrap_or_default()) }),
+    }
+}
+
+/// Checks the `Origin` header of an upgrade or a change. Absent is allowed: browsers always send it, and the server
+/// listens on loopback only. Any two loopback names count as equal, and so does any port: a page under development is
+/// served by another program of the same user.
+///
+/// # Errors
+/// [`OriginError::Origin`] if the page comes from another host.
+pub(super) fn check_origin(origin: Option<&str>, host: Option<&str>) -> Result<(), OriginError> {
+    let Some(origin) = origin else {
+        return Ok(());
+    };
+    let refused = || OriginError::Origin { found: shortened(origin) };
+    let (scheme, authority) = origin.split_once("://").ok_or_else(refused)?;
+    let page = host_name(authority);
+    let same =
+        is_loopback(page) || host.is_some_and(|host| host_name(host).eq_ignore_ascii_case(page));
+    if matches!(scheme, "http" | "https") && same { Ok(()) } else { Err(refused()) }
+}
+
+/// `localhost` and every address that stays on this machine.
+pub(super) fn is_loopback(name: &str) -> bool {
+    name.eq_ignore_ascii_case("localhost")
+        || name.parse::<IpAddr>().is_ok_and(|address| address.is_loopback())
+}
+
+/// The name in `name:port` or `[address]:port`; text of any other form is returned as it is, and is no loopback name.
+fn host_name(authority: &str) -> &str {
+    let name = match authority.rsplit_once(':') {
+        Some((name, port))
+            if !name.is_empty() && port.bytes().all(|byte| byte.is_ascii_digit()) =>
+        {
+            name
+        }
+        _ => authority,
+    };
+    // An address of IPv6 has colons of its own, and brackets that keep its last part from being read as a port.
+    match authority.strip_prefix('[').and_then(|rest| rest.split_once(']')) {
+        Some((address, "")) => address,
+        Some((address, _)) if name.ends_with(']') => address,
+        _ => name,
+    }
+}
+
+fn shortened(text: &str) -> String {
+    text.chars().take(100).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn loopback_names_are_equal_and_others_are_refused() {
+        for origin in [
+            "http://localhost:8080",
+            "http://127.0.0.1:8080",
+            "http://[::1]:8080",
+            "https://LOCALHOST",
+        ] {
+            assert_eq!(check_origin(Some(origin), Some("127.0.0.1:8080")), Ok(()), "{origin}");
+        }
+        let foreign = [
+            "http://evil.example",
+            "http://localhost.evil.example:8080",
+            "http://127.0.0.1.evil.example",
+            "http://evil.example:127.0.0.1",
+            "null",
+            "",
+            "file://localhost",
+            "http://",
+            "http://localhost@evil.example",
+            "http://localhost:80@evil.example",
+            "http://[::1]evil.example",
+            "http://[::1]:80.evil.example",
+            "http://evil.example/localhost",
+        ];
+        for origin in foreign {
+            assert!(check_origin(Some(origin), Some("127.0.0.1:8080")).is_err(), "{origin}");
+        }
+        assert_eq!(check_origin(None, Some("127.0.0.1:8080")), Ok(()));
+    }
+
+    #[test]
+    fn a_name_that_was_made_to_point_here_is_refused() {
+        for host in ["127.0.0.1:8080", "localhost", "[::1]:80", "127.8.8.8:1"] {
+            assert_eq!(check_host(Some(host)), Ok(()), "{host}");
+        }
+        for host in
+            [Some("evil.example:8080"), Some("0.0.0.0:8080"), Some(""), Some("192.168.0.4"), None]
+        {
+            assert!(check_host(host).is_err(), "{host:?}");
+        }
+    }
+}
