@@ -1,10 +1,13 @@
 //! `twin fly`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use anyhow::Context;
 use clap::Args;
+use twin::mirror::{Recorder, RecordingEnd};
 use twin::scenario::{Report, Scenario, fly, run::event_lines};
+use twin::server::{ServeOptions, serve};
 
 use super::{End, Overrides, default_scenario};
 
@@ -21,8 +24,37 @@ pub(super) struct FlyArgs {
     /// Seed instead of the scenario's.
     #[arg(long)]
     seed: Option<u64>,
+    /// Record the flight as MCAP (opens in Foxglove, Lichtblick, Rerun and PlotJuggler).
+    #[arg(long, value_name = "FILE.mcap")]
+    record: Option<PathBuf>,
+    /// Simulated seconds per second, or `max`.
+    #[arg(long, default_value = "1", conflicts_with = "headless", value_parser = parse_speed)]
+    speed: Speed,
+    /// Port of the console; 0 takes any free one.
+    #[arg(long, default_value_t = 8080, conflicts_with = "headless")]
+    port: u16,
+    /// Address to listen on; loopback only.
+    #[arg(long, default_value = "127.0.0.1", conflicts_with = "headless")]
+    host: String,
+    /// Wait for an operator before the first tick.
+    #[arg(long, conflicts_with = "headless")]
+    start_paused: bool,
     #[command(flatten)]
     overrides: Overrides,
+}
+
+/// Simulated seconds per second; `None` is as fast as the machine can.
+#[derive(Clone, Copy)]
+struct Speed(Option<f64>);
+
+fn parse_speed(text: &str) -> Result<Speed, String> {
+    if text == "max" {
+        return Ok(Speed(None));
+    }
+    match text.parse::<f64>() {
+        Ok(speed) if speed.is_finite() && (0.01..=100.0).contains(&speed) => Ok(Speed(Some(speed))),
+        _ => Err(format!("found {text:?}, expected 0.01..=100 or max")),
+    }
 }
 
 pub(super) fn run(args: &FlyArgs) -> anyhow::Result<End> {
@@ -30,19 +62,65 @@ pub(super) fn run(args: &FlyArgs) -> anyhow::Result<End> {
     let mut overrides = args.overrides.set.clone();
     overrides.extend(args.seed.map(|seed| format!("seed={seed}")));
     let scenario = Scenario::load(&file, &overrides)?;
-    headless(&scenario, args)
+    if args.headless {
+        return headless(&scenario, args);
+    }
+    serve(ServeOptions {
+        catalogue: catalogue(&file, &args.overrides.set),
+        scenario,
+        host: args.host.clone(),
+        port: args.port,
+        speed: args.speed.0,
+        start_paused: args.start_paused,
+        record: args.record.clone(),
+    })?;
+    Ok(End::Passed)
+}
+
+/// Usable scenarios beside `file`, by name: what a restart may choose from.
+fn catalogue(file: &Path, overrides: &[String]) -> Vec<Scenario> {
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."));
+    let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
+    let mut files: Vec<PathBuf> = entries
+        .filter_map(|entry| entry.ok().map(|entry| entry.path()))
+        .filter(|path| path.extension().is_some_and(|ending| ending == "toml"))
+        .filter(|path| path.file_stem().is_some_and(|stem| stem != "defaults"))
+        .collect();
+    files.sort();
+    files.iter().filter_map(|path| Scenario::load(path, overrides).ok()).collect()
 }
 
 /// Flies to the end; events on stderr as they happen, the verdict on stdout.
 fn headless(scenario: &Scenario, args: &FlyArgs) -> anyhow::Result<End> {
     #[allow(clippy::disallowed_methods, reason = "the real-time factor needs a clock; the flight does not see it")]
     let started = std::time::Instant::now();
+    let mut recorder = match &args.record {
+        Some(path) => Some(Recorder::create(path, &scenario.recording_info(&scenario.tuning()?)?)?),
+        None => None,
+    };
+    let mut trouble = None;
     let mut report = fly(scenario, &mut |tick| {
         if !args.json {
             event_lines(tick).for_each(|line| eprintln!("{line}"));
         }
+        if let Some(recorder) = &mut recorder
+            && trouble.is_none()
+        {
+            trouble = recorder.record(Arc::new(tick.clone())).err();
+        }
     })
     .with_context(|| scenario.file.display().to_string())?;
+    if let Some(trouble) = trouble {
+        return Err(trouble.into());
+    }
+    if let Some(recorder) = recorder {
+        let end = RecordingEnd {
+            state_hash: u64::from_str_radix(&report.state_hash, 16)?,
+            verdict: serde_json::to_string(&(report.verdict, &report.reason))?,
+        };
+        let written = recorder.finish(end)?;
+        eprintln!("{} ticks recorded", written.ticks);
+    }
     report.real_time_factor = Some(report.flight_s / started.elapsed().as_secs_f64().max(1e-9));
     if args.json {
         println!("{}", serde_json::to_string(&report)?);
