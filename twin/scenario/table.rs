@@ -187,7 +187,7 @@ mod tests {
         assert_eq!(lines.len(), 2);
         assert_eq!((lines[0].flights, lines[0].completed), (3, 2));
         assert_eq!(lines[0].other_verdicts["Dropped"], 1);
-        assert_eq!(lines[0].values["grasp_slip_mm_median"], 2.0);
+        assert!((lines[0].values["grasp_slip_mm_median"] - 2.0).abs() < 1e-12);
         assert_eq!(lines[0].paper_rms_error_e8, Some(0.173));
         assert_eq!(lines[1].paper_rms_error_e8, None);
     }
