@@ -37,12 +37,21 @@ fn effort(dofs: usize, seed: u64) -> Effort {
     Effort {
         force_in_body: Vector3::new(3.0 * wave(0.0), 2.0 * wave(1.0), 30.0 + 5.0 * wave(2.0)),
         moment_in_body: Vector3::new(0.4 * wave(3.0), 0.3 * wave(4.0), 0.2 * wave(5.0)),
-        joints: DVector::from_fn(dofs - 6, |row, _| if row < 2 { 1.5 } else { 0.3 } * wave(6.0 + row as f64)),
+        joints: DVector::from_fn(
+            dofs - 6,
+            |row, _| if row < 2 { 1.5 } else { 0.3 } * wave(6.0 + row as f64),
+        ),
     }
 }
 
 /// `delta v / dt` over one step of Rapier.
-fn stepped(robot: &Robot, oracle: &Oracle<'_>, state: &State, effort: &Effort, dt: f64) -> DVector<f64> {
+fn stepped(
+    robot: &Robot,
+    oracle: &Oracle<'_>,
+    state: &State,
+    effort: &Effort,
+    dt: f64,
+) -> DVector<f64> {
     let (mut world, articulation) = placed(robot, oracle, state);
     world.integration_parameters.dt = dt;
     let force = state.rotation * effort.force_in_body;
@@ -122,7 +131,8 @@ fn second_moments(robot: &Robot, links: &[usize]) -> Matrix4<f64> {
         moments.fixed_view_mut::<3, 3>(0, 0).copy_from(&spread);
         let c = inertial.com_in_link.push(1.0);
         moments += c * c.transpose() * inertial.mass_kg;
-        let place = places[link].expect("the links of a body are fixed to its first").to_homogeneous();
+        let place =
+            places[link].expect("the links of a body are fixed to its first").to_homogeneous();
         sum + place * moments * place.transpose()
     })
 }
@@ -145,8 +155,15 @@ fn rapier_stores_the_mass_and_tensor_of_the_links_of_each_body() {
             let tensor = stored.reconstruct_inertia_matrix();
             let tensor = Matrix3::from_fn(|row, column| tensor.col(column)[row]);
             let name = &robot.links[body.links[0]].name;
-            assert!((rigid.mass() - mass).abs() <= MASS_TOLERANCE * mass, "{name}: {} kg", rigid.mass());
-            assert!((tensor - wanted).norm() <= MASS_TOLERANCE * wanted.norm(), "{name}: {tensor} for {wanted}");
+            assert!(
+                (rigid.mass() - mass).abs() <= MASS_TOLERANCE * mass,
+                "{name}: {} kg",
+                rigid.mass()
+            );
+            assert!(
+                (tensor - wanted).norm() <= MASS_TOLERANCE * wanted.norm(),
+                "{name}: {tensor} for {wanted}"
+            );
             seen += body.links.len();
         }
         assert_eq!(seen, robot.links.len(), "every link is part of one body");

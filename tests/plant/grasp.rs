@@ -1,5 +1,6 @@
 //! Friction holds the cube, and as much friction as Coulomb allows.
 
+use nalgebra::Vector3;
 use twin::tick::{GripperCommand, Truth};
 
 use super::rig::{Rig, RigSettings};
@@ -13,12 +14,18 @@ const HELD_MM: f64 = 0.1;
 /// … and with 5 % less it falls at 5 % of g: 980 mm in 2 s, far beyond the 20 mm at which it leaves the pads.
 const LOST_MM: f64 = 20.0;
 
+/// Share of the force that the contact solver leaves over at 4 iterations.
+const PRESS_TOLERANCE: f64 = 0.02;
+
 /// Time in which the fingers build up their force, ticks of 10 ms.
 const SETTLE: usize = 20;
 
 fn slip_mm(truths: &[Truth]) -> f64 {
     let start = truths[SETTLE].payload_in_palm;
-    truths[SETTLE..].iter().map(|truth| (truth.payload_in_palm - start).norm() * 1e3).fold(0.0, f64::max)
+    truths[SETTLE..]
+        .iter()
+        .map(|truth| (truth.payload_in_palm - start).norm() * 1e3)
+        .fold(0.0, f64::max)
 }
 
 fn held(cube_kg: f64, grip_n: f64) -> Vec<Truth> {
@@ -42,12 +49,16 @@ fn a_cube_is_held_just_above_coulombs_limit_and_lost_just_below() {
 fn each_pad_presses_with_the_force_asked_and_no_more() {
     for grip_n in [5.0, 20.0] {
         let truths = held(0.3, grip_n);
-        // Normal and friction force of two pads; friction adds up to the weight.
-        let weight_n = 0.3 * super::oracle::GRAVITY_M_S2;
         for truth in &truths[SETTLE..] {
-            let normal_n: f64 = truth.contacts.iter().map(|contact| nalgebra::Vector3::from(contact.force_in_world_n).norm()).sum();
-            assert!((normal_n - 2.0 * grip_n).abs() < 0.02 * grip_n, "{normal_n:.2} N for 2 x {grip_n} N");
-            assert!(truth.grip_force_n <= 2.0 * grip_n + weight_n, "{:.2} N", truth.grip_force_n);
+            let forces =
+                truth.contacts.iter().map(|contact| Vector3::from(contact.force_in_world_n).norm());
+            let (shown_n, summed_n) = (forces.sum::<f64>(), truth.grip_force_n);
+            for found_n in [shown_n, summed_n] {
+                assert!(
+                    (found_n - 2.0 * grip_n).abs() < PRESS_TOLERANCE * grip_n,
+                    "{found_n:.2} N of 2 x {grip_n} N"
+                );
+            }
         }
     }
 }

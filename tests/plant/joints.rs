@@ -11,6 +11,9 @@ use super::rig::{Rig, RigSettings, aerial_manipulator, repository};
 /// Rapier's joint limits and couplings are constraints of 1e6 Hz: measured give below a micrometre.
 const FINGER_TOLERANCE_M: f64 = 1e-5;
 
+/// The coupling gives a little while one finger alone pushes with the force of both: measured 14 µm.
+const COUPLING_TOLERANCE_M: f64 = 5e-5;
+
 /// Give of an arm joint's limit under full torque, rad: 0.1°.
 const LIMIT_TOLERANCE_RAD: f64 = 1.7e-3;
 
@@ -30,7 +33,8 @@ fn fingers(truth: &Truth) -> [f64; 2] {
 
 #[test]
 fn fingers_stop_at_their_limits() {
-    let settings = RigSettings { cube_kg: 0.0, cube_off_centre_m: 0.0, grip_n: 20.0, locked_arm: true };
+    let settings =
+        RigSettings { cube_kg: 0.0, cube_off_centre_m: 0.0, grip_n: 20.0, locked_arm: true };
     let mut rig = Rig::new(&settings);
     for (command, end_m) in [(GripperCommand::Close, 0.0), (GripperCommand::Open, 0.055)] {
         let truths = rig.run(60, command);
@@ -38,21 +42,29 @@ fn fingers_stop_at_their_limits() {
             assert!((finger - end_m).abs() < FINGER_TOLERANCE_M, "{command:?}: {finger} m");
         }
         for finger in truths.iter().flat_map(fingers) {
-            assert!((-FINGER_TOLERANCE_M..=0.055 + FINGER_TOLERANCE_M).contains(&finger), "{finger} m");
+            assert!(
+                (-FINGER_TOLERANCE_M..=0.055 + FINGER_TOLERANCE_M).contains(&finger),
+                "{finger} m"
+            );
         }
     }
 }
 
 #[test]
 fn the_mimic_finger_follows_also_when_only_one_of_them_touches() {
-    let settings = RigSettings { cube_kg: 0.3, cube_off_centre_m: 0.008, grip_n: 20.0, locked_arm: true };
+    let settings =
+        RigSettings { cube_kg: 0.3, cube_off_centre_m: 0.008, grip_n: 20.0, locked_arm: true };
     let truths = Rig::new(&settings).run(100, GripperCommand::Close);
     for truth in &truths {
         let [left, right] = fingers(truth);
-        assert!((left - right).abs() < FINGER_TOLERANCE_M, "{left} m and {right} m");
+        assert!((left - right).abs() < COUPLING_TOLERANCE_M, "{left} m and {right} m");
     }
     let last = truths.last().expect("it flew");
-    assert!(last.payload_in_palm.y.abs() < 1e-3, "the cube was drawn to the middle: {}", last.payload_in_palm);
+    assert!(
+        last.payload_in_palm.y.abs() < 1e-3,
+        "the cube was drawn to the middle: {}",
+        last.payload_in_palm
+    );
 }
 
 #[test]
@@ -60,16 +72,22 @@ fn an_arm_joint_stops_at_its_limit_under_full_torque() {
     let robot = aerial_manipulator();
     let joint = |name: &str| &robot.joints[robot.joint(name).expect("an arm joint")];
     let (first, second) = (joint("joint1"), joint("joint2"));
-    let settings = RigSettings { cube_kg: 0.0, cube_off_centre_m: 0.0, grip_n: 20.0, locked_arm: false };
+    let settings =
+        RigSettings { cube_kg: 0.0, cube_off_centre_m: 0.0, grip_n: 20.0, locked_arm: false };
     let mut rig = Rig::new(&settings);
     for sign in [1.0, -1.0] {
         rig.set_torque(Vector2::new(sign * first.effort, sign * second.effort));
         let truths = rig.run(150, GripperCommand::Open);
         for (row, joint) in [(6, first), (7, second)] {
             let positions = truths.iter().map(|truth| truth.chi[row]);
-            let beyond = positions.map(|q| (q - joint.upper).max(joint.lower - q)).fold(f64::MIN, f64::max);
+            let beyond =
+                positions.map(|q| (q - joint.upper).max(joint.lower - q)).fold(f64::MIN, f64::max);
             assert!(beyond < LIMIT_TOLERANCE_RAD, "{}: {beyond} rad beyond its limit", joint.name);
-            assert!(beyond > -LIMIT_TOLERANCE_RAD, "{}: never reached its limit ({beyond} rad)", joint.name);
+            assert!(
+                beyond > -LIMIT_TOLERANCE_RAD,
+                "{}: never reached its limit ({beyond} rad)",
+                joint.name
+            );
         }
     }
 }

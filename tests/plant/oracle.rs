@@ -3,15 +3,17 @@
 //! Generalised velocity `[v_com omega | joint rates]`: velocity of the centre of mass of the root body (the root link and
 //! what is fixed to it) and angular velocity, both in the world, then the moving joints in the order of the [`Robot`].
 
-use nalgebra::{DMatrix, DVector, Isometry3, Matrix3, Point3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{
+    DMatrix, DVector, Isometry3, Matrix3, Point3, Translation3, UnitQuaternion, Vector3,
+};
 use twin::model::{Joint, JointKind, Robot};
 
 /// Standard gravity of the twin, m/s².
-pub const GRAVITY_M_S2: f64 = 9.81;
+pub(super) const GRAVITY_M_S2: f64 = 9.81;
 
 /// Configuration and generalised velocity.
 #[derive(Clone, Debug)]
-pub struct State {
+pub(super) struct State {
     /// Centre of mass of the root body in the world, m.
     pub com: Vector3<f64>,
     /// `world_from_root`.
@@ -24,7 +26,7 @@ pub struct State {
 
 /// What acts besides gravity: force through the origin of the root link and moment, in the body frame, and joint efforts.
 #[derive(Clone, Debug)]
-pub struct Effort {
+pub(super) struct Effort {
     /// N.
     pub force_in_body: Vector3<f64>,
     /// N m.
@@ -44,7 +46,7 @@ struct Motion {
 }
 
 /// The equations of motion of a [`Robot`].
-pub struct Oracle<'a> {
+pub(super) struct Oracle<'a> {
     robot: &'a Robot,
     /// Moving joints, indices into the robot's joints.
     pub moving: Vec<usize>,
@@ -58,20 +60,26 @@ pub struct Oracle<'a> {
 
 impl<'a> Oracle<'a> {
     /// Without armature and damping.
-    pub fn new(robot: &'a Robot) -> Self {
+    pub(super) fn new(robot: &'a Robot) -> Self {
         let moving: Vec<usize> =
             (0..robot.joints.len()).filter(|&j| robot.joints[j].kind != JointKind::Fixed).collect();
         let zeros = DVector::zeros(moving.len());
-        Self { robot, moving, com_in_root: root_com(robot), armature: zeros.clone(), damping: zeros }
+        Self {
+            robot,
+            moving,
+            com_in_root: root_com(robot),
+            armature: zeros.clone(),
+            damping: zeros,
+        }
     }
 
     /// Number of degrees of freedom.
-    pub fn dofs(&self) -> usize {
+    pub(super) fn dofs(&self) -> usize {
         6 + self.moving.len()
     }
 
     /// Inertia matrix: column `k` is the effort of a unit acceleration at rest without gravity.
-    pub fn mass_matrix(&self, state: &State) -> DMatrix<f64> {
+    pub(super) fn mass_matrix(&self, state: &State) -> DMatrix<f64> {
         let n = self.dofs();
         let rest = State { velocity: DVector::zeros(n), ..state.clone() };
         let mut m = DMatrix::zeros(n, n);
@@ -87,7 +95,7 @@ impl<'a> Oracle<'a> {
     }
 
     /// Generalised acceleration under `effort`.
-    pub fn acceleration(&self, state: &State, effort: &Effort) -> DVector<f64> {
+    pub(super) fn acceleration(&self, state: &State, effort: &Effort) -> DVector<f64> {
         let n = self.dofs();
         let bias = self.inverse_dynamics(state, &DVector::zeros(n), GRAVITY_M_S2);
         let force = state.rotation * effort.force_in_body;
@@ -99,11 +107,14 @@ impl<'a> Oracle<'a> {
         for row in 0..self.moving.len() {
             tau[6 + row] = effort.joints[row] - self.damping[row] * state.velocity[6 + row];
         }
-        self.mass_matrix(state).cholesky().expect("an inertia matrix is positive definite").solve(&(tau - bias))
+        self.mass_matrix(state)
+            .cholesky()
+            .expect("an inertia matrix is positive definite")
+            .solve(&(tau - bias))
     }
 
     /// One Runge-Kutta step of order 4 under constant `effort`.
-    pub fn step(&self, state: &State, effort: &Effort, h: f64) -> State {
+    pub(super) fn step(&self, state: &State, effort: &Effort, h: f64) -> State {
         let k1 = self.derivative(state, effort);
         let k2 = self.derivative(&advance(state, &k1, 0.5 * h), effort);
         let k3 = self.derivative(&advance(state, &k2, 0.5 * h), effort);
@@ -124,7 +135,12 @@ impl<'a> Oracle<'a> {
     }
 
     /// Effort that makes `acceleration`, by recursion over the links.
-    pub fn inverse_dynamics(&self, state: &State, acceleration: &DVector<f64>, gravity: f64) -> DVector<f64> {
+    pub(super) fn inverse_dynamics(
+        &self,
+        state: &State,
+        acceleration: &DVector<f64>,
+        gravity: f64,
+    ) -> DVector<f64> {
         let motions = self.motions(state, acceleration);
         let robot = self.robot;
         let mut forces: Vec<Vector3<f64>> = Vec::new();
@@ -139,7 +155,8 @@ impl<'a> Oracle<'a> {
             let (force, moment) = (forces[joint.child], moments[joint.child]);
             if let Some(row) = self.moving.iter().position(|&moving| moving == index) {
                 let axis = motions[joint.child].pose.rotation * joint.axis;
-                tau[6 + row] = axis.dot(if joint.kind == JointKind::Prismatic { &force } else { &moment });
+                tau[6 + row] =
+                    axis.dot(if joint.kind == JointKind::Prismatic { &force } else { &moment });
             }
             let lever = origin(&motions[joint.child]) - origin(&motions[joint.parent]);
             forces[joint.parent] += force;
@@ -147,7 +164,8 @@ impl<'a> Oracle<'a> {
         }
         let lever = -(state.rotation * self.com_in_root);
         tau.fixed_rows_mut::<3>(0).copy_from(&forces[robot.root]);
-        tau.fixed_rows_mut::<3>(3).copy_from(&(moments[robot.root] + lever.cross(&forces[robot.root])));
+        tau.fixed_rows_mut::<3>(3)
+            .copy_from(&(moments[robot.root] + lever.cross(&forces[robot.root])));
         tau
     }
 
@@ -162,7 +180,9 @@ impl<'a> Oracle<'a> {
             omega,
             velocity: Vector3::new(v[0], v[1], v[2]) + omega.cross(&lever),
             alpha,
-            acceleration: Vector3::new(a[0], a[1], a[2]) + alpha.cross(&lever) + omega.cross(&omega.cross(&lever)),
+            acceleration: Vector3::new(a[0], a[1], a[2])
+                + alpha.cross(&lever)
+                + omega.cross(&omega.cross(&lever)),
         };
         let mut motions = vec![root; self.robot.links.len()];
         for (index, joint) in self.robot.joints.iter().enumerate() {
@@ -231,7 +251,8 @@ fn root_com(robot: &Robot) -> Vector3<f64> {
     let mut places = vec![None; robot.links.len()];
     places[robot.root] = Some(Isometry3::identity());
     for joint in robot.joints.iter().filter(|joint| joint.kind == JointKind::Fixed) {
-        places[joint.child] = places[joint.parent].map(|place: Isometry3<f64>| place * joint.origin);
+        places[joint.child] =
+            places[joint.parent].map(|place: Isometry3<f64>| place * joint.origin);
     }
     let (mut mass, mut moment) = (0.0, Vector3::zeros());
     for (link, place) in robot.links.iter().zip(places) {

@@ -15,22 +15,25 @@ use twin::tick::{ActuatorCommand, GripperCommand, Setpoint, Truth};
 use super::oracle::{GRAVITY_M_S2, Oracle, State};
 
 /// A file of the repository.
-pub fn repository(path: &str) -> PathBuf {
+pub(super) fn repository(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
 }
 
 /// The vehicle.
-pub fn aerial_manipulator() -> Robot {
-    Robot::load(&repository("urdf/aerial_manipulator.urdf"), &Packages(Vec::new())).expect("the URDF loads")
+pub(super) fn aerial_manipulator() -> Robot {
+    Robot::load(&repository("urdf/aerial_manipulator.urdf"), &Packages(Vec::new()))
+        .expect("the URDF loads")
 }
 
 /// The vehicle with what it spares the loader: a root whose centre of mass is off its origin, with products of inertia,
 /// and a turned, massive link fixed to it.
-pub fn awkward() -> Robot {
+pub(super) fn awkward() -> Robot {
     let mut robot = aerial_manipulator();
     let root = robot.root;
     let tilted = |rpy: [f64; 3], moments: [f64; 3]| -> Matrix3<f64> {
-        let r = *UnitQuaternion::from_euler_angles(rpy[0], rpy[1], rpy[2]).to_rotation_matrix().matrix();
+        let r = *UnitQuaternion::from_euler_angles(rpy[0], rpy[1], rpy[2])
+            .to_rotation_matrix()
+            .matrix();
         r * Matrix3::from_diagonal(&moments.into()) * r.transpose()
     };
     robot.links[root].inertial.com_in_link = Vector3::new(0.03, -0.02, 0.04);
@@ -40,19 +43,30 @@ pub fn awkward() -> Robot {
         com_in_link: Vector3::new(0.02, 0.01, -0.03),
         inertia_in_link: tilted([-0.2, 0.6, 0.1], [1.0e-3, 1.4e-3, 1.9e-3]),
     };
-    robot.links.push(Link { name: "camera".into(), inertial, visuals: Vec::new(), collisions: Vec::new() });
+    robot.links.push(Link {
+        name: "camera".into(),
+        inertial,
+        visuals: Vec::new(),
+        collisions: Vec::new(),
+    });
     let child = robot.links.len() - 1;
     let origin = Isometry3::new(Vector3::new(0.15, 0.02, -0.05), Vector3::new(0.2, 0.7, -0.4));
-    let fixed = robot.joints.iter().find(|joint| joint.kind == JointKind::Fixed).expect("the wrist is fixed").clone();
+    let fixed = robot
+        .joints
+        .iter()
+        .find(|joint| joint.kind == JointKind::Fixed)
+        .expect("the wrist is fixed")
+        .clone();
     robot.joints.push(Joint { name: "camera_joint".into(), parent: root, child, origin, ..fixed });
     robot
 }
 
 /// A random pose high above everything with every joint inside its limits; rates up to `speed` (rad/s, m/s).
-pub fn random_state(robot: &Robot, oracle: &Oracle<'_>, seed: u64, speed: f64) -> State {
+pub(super) fn random_state(robot: &Robot, oracle: &Oracle<'_>, seed: u64, speed: f64) -> State {
     let mut rng = Pcg64::seed_from_u64(seed);
     let mut draw = || 2.0 * rng.random::<f64>() - 1.0;
-    let rotation = UnitQuaternion::new_normalize(nalgebra::Quaternion::new(draw(), draw(), draw(), draw()));
+    let rotation =
+        UnitQuaternion::new_normalize(nalgebra::Quaternion::new(draw(), draw(), draw(), draw()));
     let joints = DVector::from_iterator(
         oracle.moving.len(),
         oracle.moving.iter().map(|&joint| {
@@ -71,14 +85,16 @@ pub fn random_state(robot: &Robot, oracle: &Oracle<'_>, seed: u64, speed: f64) -
 }
 
 /// Plant settings of the defaults with air, noise and scatter switched off.
-pub fn quiet_settings() -> PlantSettings {
-    let scenario = Scenario::load(&repository("scenarios/hover.toml"), &quiet()).expect("the overrides are valid");
+pub(super) fn quiet_settings() -> PlantSettings {
+    let scenario = Scenario::load(&repository("scenarios/hover.toml"), &quiet())
+        .expect("the overrides are valid");
     scenario.settings.plant()
 }
 
 /// Overrides that switch air, noise and scatter off.
-pub fn quiet() -> Vec<String> {
-    let off = ["rotor_drag", "body_drag", "ground_effect", "downwash"].map(|key| format!("aero.{key}=false"));
+pub(super) fn quiet() -> Vec<String> {
+    let off = ["rotor_drag", "body_drag", "ground_effect", "downwash"]
+        .map(|key| format!("aero.{key}=false"));
     let zero = [
         "aero.turbulence_n",
         "aero.turbulence_n_m",
@@ -97,7 +113,7 @@ pub fn quiet() -> Vec<String> {
 }
 
 /// The same thrust from every rotor, the same torques at every instant.
-pub struct Constant(pub ActuatorCommand);
+pub(super) struct Constant(ActuatorCommand);
 
 impl InnerLoop for Constant {
     fn command(&mut self, _setpoint: &Setpoint, _state: &InnerState) -> ActuatorCommand {
@@ -112,14 +128,14 @@ const ANCHOR: f64 = 1.0e4;
 const HAND_DOWN_RAD: [f64; 2] = [-0.3508, 1.1397];
 
 /// The vehicle with a base so heavy that it stays where it is; its rotors carry it, nothing else acts.
-pub struct Rig {
-    pub vehicle: SimulatedVehicle,
+pub(super) struct Rig {
+    vehicle: SimulatedVehicle,
     setpoint: Setpoint,
     inner: Constant,
 }
 
 /// What a rig starts with.
-pub struct RigSettings {
+pub(super) struct RigSettings {
     /// Mass of the cube between the fingers, kg; 0: none.
     pub cube_kg: f64,
     /// Centre of the cube from the grasp point along the direction of the fingers, m.
@@ -131,7 +147,7 @@ pub struct RigSettings {
 }
 
 impl Rig {
-    pub fn new(wanted: &RigSettings) -> Self {
+    pub(super) fn new(wanted: &RigSettings) -> Self {
         let mut settings = quiet_settings();
         let mut robot = aerial_manipulator();
         let root = robot.root;
@@ -151,7 +167,11 @@ impl Rig {
         settings.vehicle.rotor.thrust_scale = 1.0;
         settings.vehicle.rotor.max_thrust_n = f64::MAX.sqrt();
         let position = Vector3::new(0.0, 0.0, 2.0);
-        let poses = twin::model::link_poses(&robot, &Isometry3::from(position), &vec![0.0; robot.joints.len()]);
+        let poses = twin::model::link_poses(
+            &robot,
+            &Isometry3::from(position),
+            &vec![0.0; robot.joints.len()],
+        );
         let tool = poses[robot.link("tool").expect("the grasp point")];
         let cube = tool * nalgebra::Point3::new(0.0, wanted.cube_off_centre_m, 0.0);
         let grasped = (wanted.cube_kg > 0.0).then_some(cube.coords);
@@ -160,18 +180,23 @@ impl Rig {
         let mut rotor_thrust_n = [0.0; MAX_ROTORS];
         let weight_n = (robot.total_mass_kg() + wanted.cube_kg) * GRAVITY_M_S2;
         rotor_thrust_n[..rotors].fill(weight_n / rotors as f64);
-        let command = ActuatorCommand { rotor_thrust_n, joint_torque_n_m: Vector2::zeros(), saturated: false };
-        let vehicle = SimulatedVehicle::new(robot, &[], settings, &start, 1).expect("the rig is built");
+        let command = ActuatorCommand {
+            rotor_thrust_n,
+            joint_torque_n_m: Vector2::zeros(),
+            saturated: false,
+        };
+        let vehicle =
+            SimulatedVehicle::new(robot, &[], settings, &start, 1).expect("the rig is built");
         Self { vehicle, setpoint: any_setpoint(), inner: Constant(command) }
     }
 
     /// Torques of the free arm, N m.
-    pub fn set_torque(&mut self, joint_torque_n_m: Vector2<f64>) {
+    pub(super) fn set_torque(&mut self, joint_torque_n_m: Vector2<f64>) {
         self.inner.0.joint_torque_n_m = joint_torque_n_m;
     }
 
     /// Advances by ticks of 10 ms with one command to the gripper; the truth after each.
-    pub fn run(&mut self, ticks: usize, gripper: GripperCommand) -> Vec<Truth> {
+    pub(super) fn run(&mut self, ticks: usize, gripper: GripperCommand) -> Vec<Truth> {
         self.setpoint.gripper = gripper;
         (0..ticks)
             .map(|_| {
@@ -183,7 +208,7 @@ impl Rig {
 }
 
 /// A set-point for inner loops that do not look at it.
-pub fn any_setpoint() -> Setpoint {
+pub(super) fn any_setpoint() -> Setpoint {
     let scenario = Scenario::load(&repository("scenarios/hover.toml"), &[]).expect("it loads");
     scenario.parts().expect("it builds").setpoint
 }

@@ -27,10 +27,10 @@ fn command(k: u32) -> ActuatorCommand {
     let t = f64::from(k) * STEP_S;
     let wave = |hz: f64, phase: f64| (std::f64::consts::TAU * hz * t + phase).sin();
     let mut rotor_thrust_n = [0.0; MAX_ROTORS];
-    rotor_thrust_n[0] = 7.55 + 0.10 * wave(0.7, 0.3);
-    rotor_thrust_n[1] = 7.65 + 0.15 * wave(1.1, 1.0);
-    rotor_thrust_n[2] = 7.75 + 0.10 * wave(1.6, 2.0);
-    rotor_thrust_n[3] = 7.50 + 0.15 * wave(0.9, 0.0);
+    rotor_thrust_n[0] = 8.20 + 0.10 * wave(0.7, 0.3);
+    rotor_thrust_n[1] = 7.12 + 0.15 * wave(1.1, 1.0);
+    rotor_thrust_n[2] = 7.02 + 0.10 * wave(1.6, 2.0);
+    rotor_thrust_n[3] = 8.12 + 0.15 * wave(0.9, 0.0);
     let joint_torque_n_m = Vector2::new(0.5 * wave(1.3, 0.0), 0.3 * wave(1.9, 0.5));
     ActuatorCommand { rotor_thrust_n, joint_torque_n_m, saturated: false }
 }
@@ -77,7 +77,11 @@ fn wrench(settings: &PlantSettings, command: &ActuatorCommand) -> Effort {
         let [x, y, _] = rotor.position_m;
         force.z += thrust;
         // x × z = -y, y × z = x; the air turns a counter-clockwise rotor's frame clockwise.
-        moment += Vector3::new(y * thrust, -x * thrust, -rotor.spin * settings.vehicle.rotor.torque_ratio_m * thrust);
+        moment += Vector3::new(
+            y * thrust,
+            -x * thrust,
+            -rotor.spin * settings.vehicle.rotor.torque_ratio_m * thrust,
+        );
     }
     Effort {
         force_in_body: force,
@@ -97,7 +101,9 @@ struct Errors {
 impl Errors {
     fn add(&mut self, oracle: &Oracle<'_>, state: &State, chi: &Coords) {
         let position = state.com - state.rotation * oracle.com_in_root;
-        let attitude = UnitQuaternion::from_rotation_matrix(&Rotation3::from_euler_angles(chi[3], chi[4], chi[5]));
+        let attitude = UnitQuaternion::from_rotation_matrix(&Rotation3::from_euler_angles(
+            chi[3], chi[4], chi[5],
+        ));
         let joints = (state.joints[0] - chi[6]).abs().max((state.joints[1] - chi[7]).abs());
         self.position_m = self.position_m.max((position - chi.fixed_rows::<3>(0)).norm());
         self.attitude_deg = self.attitude_deg.max(attitude.angle_to(&state.rotation).to_degrees());
@@ -110,10 +116,13 @@ fn a_second_of_open_loop_flight_follows_the_oracle() {
     let (robot, settings) = (robot(), settings());
     let mut oracle = Oracle::new(&robot);
     oracle.armature.fill(settings.vehicle.joint_armature_kg_m2);
-    oracle.damping = DVector::from_iterator(2, oracle.moving.iter().map(|&joint| robot.joints[joint].damping));
+    oracle.damping =
+        DVector::from_iterator(2, oracle.moving.iter().map(|&joint| robot.joints[joint].damping));
     let joints = Vector2::new(0.4, 0.8);
-    let start = Start { position: Vector3::new(0.0, 0.0, 5.0), joints, grasped: None, inner_steps: 1 };
-    let mut vehicle = SimulatedVehicle::new(robot.clone(), &[], settings.clone(), &start, 1).expect("it is built");
+    let start =
+        Start { position: Vector3::new(0.0, 0.0, 5.0), joints, grasped: None, inner_steps: 1 };
+    let mut vehicle = SimulatedVehicle::new(robot.clone(), &[], settings.clone(), &start, 1)
+        .expect("it is built");
     let mut state = State {
         com: start.position + oracle.com_in_root,
         rotation: UnitQuaternion::identity(),
@@ -134,7 +143,10 @@ fn a_second_of_open_loop_flight_follows_the_oracle() {
         tilt_deg = tilt_deg.max((state.rotation * Vector3::z()).z.acos().to_degrees());
     }
     let Errors { position_m, attitude_deg, joint_deg } = errors;
-    let found = format!("{:.3} mm, {attitude_deg:.4}°, {joint_deg:.4}° at {tilt_deg:.0}°", position_m * 1e3);
+    let found = format!(
+        "{:.3} mm, {attitude_deg:.4}°, {joint_deg:.4}° at {tilt_deg:.0}°",
+        position_m * 1e3
+    );
     assert!(tilt_deg > LEAST_TILT_DEG, "{found}");
     assert!(position_m <= POSITION_TOLERANCE_M, "{found}");
     assert!(attitude_deg <= ATTITUDE_TOLERANCE_DEG, "{found}");
