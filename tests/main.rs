@@ -1,4 +1,5 @@
 //! The one test binary.
 
+mod flight;
 mod plant;
 mod server;
