@@ -1,5 +1,8 @@
 //! The one test binary.
 
+mod bad_input;
 mod flight;
+mod layers;
 mod plant;
+mod scenarios;
 mod server;
