@@ -180,10 +180,8 @@ fn a_bad_urdf_is_refused_with_file_line_finding_and_remedy() {
         folder.write(&format!("{name}.urdf"), text);
         let scenario =
             folder.write(&format!("{name}.toml"), &format!("[vehicle]\nurdf = \"{name}.urdf\"\n"));
-        let place = match at.is_empty() {
-            true => format!("{name}.urdf"),
-            false => format!("{name}.urdf:{}", line_of(text, at)),
-        };
+        let line = if at.is_empty() { String::new() } else { format!(":{}", line_of(text, at)) };
+        let place = format!("{name}.urdf{line}");
         let mut wanted = wanted.to_vec();
         wanted.push(&place);
         refused(&["fly", scenario.to_str().expect("a path of ASCII"), "--headless"], &wanted);
