@@ -116,7 +116,7 @@ fn headless(scenario: &Scenario, args: &FlyArgs) -> anyhow::Result<End> {
     if let Some(recorder) = recorder {
         let end = RecordingEnd {
             state_hash: u64::from_str_radix(&report.state_hash, 16)?,
-            verdict: serde_json::to_string(&(report.verdict, &report.reason))?,
+            verdict: format!("{}: {}", serde_json::to_value(report.verdict)?.as_str().unwrap_or_default(), report.reason),
         };
         let written = recorder.finish(end)?;
         eprintln!("{} ticks recorded", written.ticks);

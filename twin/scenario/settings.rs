@@ -89,6 +89,8 @@ pub enum TaskKind {
     PickPlace,
     /// Hold a posture.
     Hover,
+    /// Fly the transport path only.
+    Path,
 }
 
 /// Where a flight begins.

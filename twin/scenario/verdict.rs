@@ -114,8 +114,10 @@ impl Judge {
     }
 
     fn finished(&self, truth: &crate::tick::Truth, t_s: f64) -> (Verdict, String) {
-        if self.task == TaskKind::Hover {
-            return (Verdict::Completed, format!("hovered for {t_s:.1} s"));
+        match self.task {
+            TaskKind::Hover => return (Verdict::Completed, format!("hovered for {t_s:.1} s")),
+            TaskKind::Path => return (Verdict::Completed, format!("followed the path in {t_s:.1} s")),
+            TaskKind::PickPlace => {}
         }
         let error_m = (truth.payload_position - self.place).xy().norm();
         let height_m = (truth.payload_position.z - self.place.z).abs();

@@ -7,11 +7,13 @@ pub mod quintic;
 pub mod motion;
 pub mod path;
 pub mod hover;
+pub mod follow;
 pub mod pick_place;
 
 use crate::notation::Coords;
 use crate::tick::{Event, Measurement, Reference};
 
+pub use follow::FollowPath;
 pub use hover::Hover;
 pub use pick_place::{Mission, PickPlace};
 

@@ -9,6 +9,10 @@ use super::quintic::{Knot, Quintic};
 /// Duration of the ramps at both ends of a path, s.
 const RAMP_S: f64 = 1.0;
 
+/// A desired lateral force is applied this much later, s: command filter 2 zeta / omega = 0.12, rotors 0.045, low-pass on
+/// `r_hat` 0.03. On a known path it can be asked for as much earlier.
+const LATERAL_LAG_S: f64 = 0.2;
+
 /// Points of the arc-length table.
 const TABLE: usize = 4000;
 
@@ -122,6 +126,14 @@ impl TimedPath {
         let u_dot = s_dot / n;
         let u_ddot = (s_ddot - u_dot * u_dot * p_u.dot(&p_uu) / n) / n;
         Knot { value: p, rate: p_u * u_dot, acceleration: p_u * u_ddot + p_uu * (u_dot * u_dot) }
+    }
+
+    /// The path at `t_s` with its lateral acceleration taken [`LATERAL_LAG_S`] earlier; position and rate are not.
+    pub fn with_lead(&self, t_s: f64) -> Knot<3> {
+        let mut knot = self.at(t_s);
+        let ahead = self.at(t_s + LATERAL_LAG_S).acceleration;
+        (knot.acceleration.x, knot.acceleration.y) = (ahead.x, ahead.y);
+        knot
     }
 
     /// Arc length, speed and tangential acceleration: the ramp's speed is a quintic from 0 to cruise.

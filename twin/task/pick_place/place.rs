@@ -12,9 +12,6 @@ use crate::tick::{Event, EventKind};
 pub(super) const FOLD_S: f64 = 2.5;
 const FOLD_HOLD_S: f64 = 0.5;
 const CARRY_HOLD_S: f64 = 0.5;
-/// A desired lateral force is applied this much later: command filter 2 zeta / omega = 0.12 s, rotors 0.045 s, low-pass on
-/// `r_hat` 0.03 s. On a known path the acceleration of the reference is taken as much earlier; position and rate are not.
-const LATERAL_LAG_S: f64 = 0.2;
 const EXTEND_S: f64 = 3.5;
 const PLACE_ALIGN_ABOVE_M: f64 = 0.120;
 /// Gap between cube and surface where the last plunge begins, m: small and quick gives the smallest placing error.
@@ -73,9 +70,7 @@ impl PickPlace {
     }
 
     fn carry(&mut self) {
-        let mut knot = self.path.at(self.phase_s);
-        let ahead = self.path.at(self.phase_s + LATERAL_LAG_S).acceleration;
-        (knot.acceleration.x, knot.acceleration.y) = (ahead.x, ahead.y);
+        let knot = self.path.with_lead(self.phase_s);
         let q = self.mission.transit_joints;
         let lift = |v: &Vector3<f64>| Posture::new(v.x, v.y, v.z, 0.0, 0.0, 0.0);
         let posture = Posture::new(0.0, 0.0, 0.0, 0.0, q.x, q.y);
