@@ -66,7 +66,7 @@ export class TopBar {
     const verdict = byId("verdict");
     verdict.hidden = state.verdict === null;
     if (state.verdict !== null) badge("verdict", verdictText(state.verdict), state.verdict === COMPLETED ? "good" : "bad");
-    const detail = state.reason ?? state.task_phase;
+    const detail = state.reason ?? this.store.phaseText();
     setText(byId("task-phase"), detail);
     byId("task-phase").title = detail;
     const flying = state.phase === "flying";
