@@ -74,7 +74,7 @@ pub struct Flight {
     notes: Vec<Event>,
     hash: u64,
     outer: Option<Outer>,
-    /// A release step not yet seen by the outer loop.
+    /// A release not yet seen by the outer loop.
     release: Option<Coords>,
 }
 
@@ -143,7 +143,7 @@ impl Flight {
         done(Stage::Source);
         let residual = label::residual(&measurement, &self.parts.tuning.gains.nominal_inertia);
         let step = self.parts.task.update(&View { measurement: &measurement, residual: &residual }, TICK_S);
-        self.release = step.reference.release_step.or(self.release);
+        self.release = step.reference.release.or(self.release);
         done(Stage::Task);
         let outer = match self.outer.take() {
             Some(outer) if !self.index.is_multiple_of(self.parts.outer_divisor) => outer.held(residual),
@@ -172,9 +172,9 @@ impl Flight {
         done(Stage::Predict);
         // Lines 5 to 8: adapt.
         let mut reference = *reference;
-        reference.release_step = self.release.take();
-        if let Some(release_step) = &reference.release_step {
-            self.parts.adapter.shift(&forecast.regime, release_step);
+        reference.release = self.release.take();
+        if let Some(known) = &reference.release {
+            self.parts.adapter.move_to(&forecast, known);
         }
         let frozen = reference.adaptation == Adaptation::Held || self.fault.is_some();
         let adapted = self.parts.adapter.step(&forecast, &residual, dt_s, frozen, &tuning.adapter);

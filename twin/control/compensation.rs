@@ -32,17 +32,18 @@ impl Compensation {
         gains: &Gains,
         dt_s: f64,
     ) -> Coords {
-        let input = match reference.adaptation {
-            Adaptation::Free => {
+        let input = match (reference.adaptation, reference.release) {
+            (_, Some(known)) => *self.centre.insert(known),
+            (Adaptation::Free, None) => {
                 self.centre = None;
                 *r_hat
             }
-            Adaptation::Bounded => {
+            (Adaptation::Bounded, None) => {
                 let centre = *self.centre.get_or_insert(self.output);
                 let window = Coords::from(WINDOW);
                 r_hat.zip_zip_map(&(centre - window), &(centre + window), f64::clamp)
             }
-            Adaptation::Held => *self.centre.insert(self.centre_of_hold(reference)),
+            (Adaptation::Held, None) => *self.centre.get_or_insert(self.output),
         };
         let input = if gains.clips {
             let clip = Coords::from(CLIP);
@@ -53,18 +54,14 @@ impl Compensation {
         self.output = if gains.residual_bandwidth_hz >= 50.0 {
             self.low_pass.reset();
             input
-        } else if let Some(step) = reference.release_step {
+        } else if reference.release.is_some() {
             // A known jump passes the low-pass at once.
-            self.low_pass.jump(&(self.output + step));
-            self.output + step
+            self.low_pass.jump(&input);
+            input
         } else {
             self.low_pass.step(&input, gains.residual_bandwidth_hz, dt_s)
         };
         self.output
-    }
-
-    fn centre_of_hold(&self, reference: &Reference) -> Coords {
-        self.centre.unwrap_or(self.output) + reference.release_step.unwrap_or_else(Coords::zeros)
     }
 }
 
@@ -85,19 +82,19 @@ mod tests {
             follows_measurement: false,
             transporting: false,
             cruising: false,
-            release_step: None,
+            release: None,
         }
     }
 
     #[test]
-    fn held_compensation_ignores_the_adapter_and_takes_a_known_step() {
+    fn held_compensation_ignores_the_adapter_and_takes_a_known_jump() {
         let gains = Gains::preset(Preset::Tuned);
         let gravity = Coords::zeros();
         let mut c = Compensation::default();
         let before = c.step(&Coords::repeat(0.5), &gravity, &reference(Adaptation::Free), &gains, 0.01);
         let held = c.step(&Coords::repeat(0.1), &gravity, &reference(Adaptation::Held), &gains, 0.01);
         assert_eq!(before, held);
-        let step = Reference { release_step: Some(Coords::repeat(-0.2)), ..reference(Adaptation::Held) };
+        let step = Reference { release: Some(Coords::repeat(0.3)), ..reference(Adaptation::Held) };
         let released = c.step(&Coords::repeat(0.5), &gravity, &step, &gains, 0.01);
         assert!((released - Coords::repeat(0.3)).norm() < 1e-12, "{released}");
         let after = c.step(&Coords::repeat(0.5), &gravity, &reference(Adaptation::Held), &gains, 0.01);

@@ -79,13 +79,15 @@ impl Adapter {
         &self.covariance
     }
 
-    /// Shifts the weights by the smallest change that moves the correction at `regime` by `step` (N and N m): a known jump,
-    /// such as the weight of a payload that is put down, needs not be learned from its error.
-    pub fn shift(&mut self, regime: &[f64], step: &Coords) {
-        let g = DVector::from_column_slice(regime);
+    /// Changes the weights by as little as makes the estimate for `forecast` equal `known` (N and N m): a known jump, such as a
+    /// payload that is put down, needs not be learned from its error.
+    pub fn move_to(&mut self, forecast: &Forecast, known: &Coords) {
+        let g = DVector::from_column_slice(&forecast.regime);
         let power = g.norm_squared();
+        let base = forecast.base.first().copied().unwrap_or_else(Coords::zeros);
+        let step = (known - base).component_div(&self.scale) - self.correction(&g);
         if g.len() == self.weights.nrows() && power > 0.0 && power.is_finite() && step.iter().all(|v| v.is_finite()) {
-            self.weights += &g * (step.component_div(&self.scale) / power).transpose();
+            self.weights += &g * (step / power).transpose();
         }
     }
 
@@ -241,13 +243,13 @@ mod tests {
     }
 
     #[test]
-    fn a_shift_moves_the_estimate_by_exactly_its_step() {
+    fn after_a_move_the_estimate_is_the_known_value() {
         let settings = Settings::default();
         let mut adapter = Adapter::new(2, Coords::repeat(2.0), &settings);
-        let before = adapter.step(&forecast(&[1.0, 0.5]), &Coords::zeros(), 0.01, true, &settings).r_hat;
-        adapter.shift(&[1.0, 0.5], &Coords::repeat(-5.0));
+        adapter.step(&forecast(&[1.0, 0.5]), &Coords::repeat(3.0), 0.01, false, &settings);
+        adapter.move_to(&forecast(&[1.0, 0.5]), &Coords::repeat(-5.0));
         let after = adapter.step(&forecast(&[1.0, 0.5]), &Coords::zeros(), 0.01, true, &settings).r_hat;
-        assert!((after - before - Coords::repeat(-5.0)).norm() < 1e-12);
+        assert!((after - Coords::repeat(-5.0)).norm() < 1e-12);
     }
 
     #[test]

@@ -89,7 +89,7 @@ impl Task for FollowPath {
                 follows_measurement: false,
                 transporting: self.phase == Phase::Path,
                 cruising: self.phase == Phase::Path && self.path.cruising(self.phase_s),
-                release_step: None,
+                release: None,
             },
             phase: match self.phase {
                 Phase::Settle => "settle",

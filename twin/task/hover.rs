@@ -35,7 +35,7 @@ impl Task for Hover {
                 follows_measurement: false,
                 transporting: self.gripper == GripperCommand::Close,
                 cruising: false,
-                release_step: None,
+                release: None,
             },
             phase: "hover",
             events: Vec::new(),

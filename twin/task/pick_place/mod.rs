@@ -62,10 +62,11 @@ pub struct PickPlace {
     cube: Vector3<f64>,
     /// Cube centre minus tip while carried, m: corrects where the tip must go to place the cube.
     cube_from_tip: Vector3<f64>,
-    /// Residual with empty hand above the cube, with the payload, and just before the plunge onto the table.
+    /// Residual with empty hand above the cube, with the payload, just before the plunge onto the table, and its mean there.
     r_empty: Coords,
     r_loaded: Coords,
     r_before_plunge: Coords,
+    r_above_place: Coords,
     /// Running mean of the phase.
     mean: Mean,
     finished: bool,
@@ -108,6 +109,7 @@ impl PickPlace {
             r_empty: Coords::zeros(),
             r_loaded: Coords::zeros(),
             r_before_plunge: Coords::zeros(),
+            r_above_place: Coords::zeros(),
             mean: Mean::default(),
             finished: false,
             gave_up: None,
@@ -154,7 +156,7 @@ impl PickPlace {
         self.finished = true;
     }
 
-    fn reference(&self, release_step: Option<Coords>) -> Reference {
+    fn reference(&self, release: Option<Coords>) -> Reference {
         let (chi_des, chi_des_dot, chi_des_ddot) = self.motion.coordinates();
         Reference {
             chi_des,
@@ -165,7 +167,7 @@ impl PickPlace {
             follows_measurement: matches!(self.phase, Phase::Touchdown | Phase::Open),
             transporting: self.phase.transports(),
             cruising: self.phase == Phase::Carry && self.path.cruising(self.phase_s),
-            release_step,
+            release,
         }
     }
 
@@ -189,9 +191,9 @@ impl Task for PickPlace {
         if !matches!(self.phase, Phase::Touchdown | Phase::Open) {
             self.motion.step(dt_s);
         }
-        let release_step = opened.then(|| self.release_step());
+        let release = opened.then(|| self.residual_without_payload());
         Step {
-            reference: self.reference(release_step),
+            reference: self.reference(release),
             phase: self.phase.name(),
             events: std::mem::take(&mut self.events),
             finished: self.finished,

@@ -111,6 +111,7 @@ impl PickPlace {
         let inside = (0..2).all(|i| e[i].abs() < WAIT_WINDOW_M && ahead[i].abs() < WAIT_AHEAD_M);
         if self.held(inside && self.signals.speed() < WAIT_SPEED_M_S, 0.05, dt_s) {
             self.r_before_plunge = self.signals.r;
+            self.r_above_place = self.signals.r_slow;
             self.motion.ramp(self.base_z(self.tip_above_place(-BELOW_CONTACT_M).z), PLACE_PLUNGE_M_S);
             self.enter(Phase::PlacePlunge);
         } else if self.phase_s > WAIT_TIMEOUT_S {
@@ -151,12 +152,12 @@ impl PickPlace {
         self.enter(phase);
     }
 
-    /// What the residual loses with the payload: the step measured at the pick, backwards, on the rows that carry weight.
-    pub(super) fn release_step(&self) -> Coords {
+    /// The residual hovering above the place, less what the payload added at the pick on the rows that carry weight.
+    pub(super) fn residual_without_payload(&self) -> Coords {
         let mut step = self.r_empty - self.r_loaded;
         for row in [0, 1, 5] {
             step[row] = 0.0;
         }
-        step
+        self.r_above_place + step
     }
 }
