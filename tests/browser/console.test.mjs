@@ -223,7 +223,7 @@ test("a dead server is shown at once, and the page comes back with it", LIMIT, a
   assert.equal(await page.locator("#link-banner").isHidden(), true);
 });
 
-test("reset_demo shows as many reset marks as telemetry has", LIMIT, async () => {
+test("reset_demo shows as many reset marks as telemetry has, and ends in green", LIMIT, async () => {
   const demo = await startTwin("scenarios/reset_demo.toml", await freePort());
   try {
     const witness = await Oracle.connect(demo.url);
@@ -241,6 +241,11 @@ test("reset_demo shows as many reset marks as telemetry has", LIMIT, async () =>
     await other.page.locator('#events [data-tone="warn"]', { hasText: "reset" }).first().waitFor({ timeout: SOON });
     await pause(500);
     await other.page.screenshot({ path: path.join(ROOT, "out", "console-reset.png") });
+    await other.page.keyboard.press("Space");
+    await until(async () => (await shown(other.page)).state.phase === "ended", 60_000, "the flight ends");
+    const verdict = other.page.locator("#verdict");
+    assert.match(await verdict.innerText(), /✓ completed/);
+    assert.equal(await verdict.getAttribute("data-tone"), "good");
     witness.close();
   } finally {
     await demo.stop();
