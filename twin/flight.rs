@@ -185,6 +185,7 @@ impl Flight {
             measurement,
             reference: &reference,
             r_hat: &r_hat,
+            residual: &residual,
             nominal_gravity: &nominal_gravity,
             desired_attitude: self.parts.rows.desired_attitude(),
             dt_s,
@@ -275,7 +276,7 @@ impl Flight {
         events.extend(step.events);
         if adapted.reset {
             let text = format!(
-                "covariance reset: mean innovation {:.2} exceeded {:.2}",
+                "covariance reset: mean innovation {:.3} exceeded {:.3}",
                 adapted.innovation_mean_norm, self.parts.tuning.adapter.reset_threshold
             );
             events.push(Event::new(EventKind::Reset, text));

@@ -59,6 +59,12 @@ fn parse_speed(text: &str) -> Result<Speed, String> {
 
 pub(super) fn run(args: &FlyArgs) -> anyhow::Result<End> {
     let file = args.scenario.clone().unwrap_or_else(default_scenario);
+    if args.scenario.is_none() && !file.exists() {
+        anyhow::bail!(
+            "no scenario named and {} is not here; name a scenario file, or run twin in the folder of its repository",
+            file.display()
+        );
+    }
     let mut overrides = args.overrides.set.clone();
     overrides.extend(args.seed.map(|seed| format!("seed={seed}")));
     let scenario = Scenario::load(&file, &overrides)?;

@@ -41,12 +41,19 @@ impl Adaptive {
 
 impl Controller for Adaptive {
     fn control(&mut self, input: &Input<'_>, gains: &Gains) -> (Setpoint, ControlState) {
-        let (m, reference) = (input.measurement, input.reference);
+        let reference = input.reference;
         let (e, e_dot) = errors(input);
         let s = e_dot + gains.slope.component_mul(&e); // eq:sliding_var
         let sliding_norm = s.norm();
         let sigma_hat = self.update_robust_gain(sliding_norm, gains, input.dt_s);
-        let r_hat = self.compensation.step(input.r_hat, input.nominal_gravity, reference, gains, input.dt_s);
+        let r_hat = self.compensation.step(
+            input.r_hat,
+            input.residual,
+            input.nominal_gravity,
+            reference,
+            gains,
+            input.dt_s,
+        );
         // eq:control_input, rows x y z; the other rows run at 500 Hz in `rows`.
         let tau = gains.nominal_inertia.component_mul(&(reference.chi_des_ddot - gains.slope.component_mul(&e_dot)))
             - gains.damping.component_mul(&s)
@@ -55,7 +62,6 @@ impl Controller for Adaptive {
         let weight_n = input.nominal_gravity[2].max(f64::MIN_POSITIVE);
         let force = if gains.clips { clip_force(position(&tau), weight_n) } else { position(&tau) };
         let setpoint = setpoint(force, input, r_hat, gains, (sliding_norm, sigma_hat));
-        debug_assert!(m.t_s.is_finite());
         (setpoint, ControlState { error: e, sliding: s, robust_gain: sigma_hat })
     }
 }

@@ -28,6 +28,8 @@ pub struct Input<'a> {
     pub reference: &'a Reference,
     /// Adapted residual estimate, N and N m; finite.
     pub r_hat: &'a Coords,
+    /// Measured residual of this tick, N and N m; finite.
+    pub residual: &'a Coords,
     /// Gravity force of the vehicle without payload, N and N m.
     pub nominal_gravity: &'a Coords,
     /// Desired attitude and its rate from the command filter of the inner rows, rad and rad/s.

@@ -113,7 +113,7 @@ impl PickPlace {
             mean: Mean::default(),
             finished: false,
             gave_up: None,
-            events: Vec::new(),
+            events: vec![Event::new(EventKind::Phase, Phase::Settle.sentence())],
             mission,
         }
     }
