@@ -140,10 +140,10 @@ fn start(settings: &Settings, arm: &Arm) -> Result<Start, BuildError> {
         return Err(BuildError::Unfit { key: "controller.inner_hz", reason });
     }
     let position = Vector3::from(settings.task.start_position_m);
-    let joints = Vector2::from(match settings.task.kind {
-        TaskKind::PickPlace | TaskKind::Path => settings.task.transit_joints_rad,
-        TaskKind::Hover => settings.task.grasp_joints_rad,
-    });
+    let joints = match settings.task.kind {
+        TaskKind::PickPlace | TaskKind::Path => joints(settings, settings.task.transit_joints_rad),
+        TaskKind::Hover => joints(settings, settings.task.grasp_joints_rad),
+    };
     let grasped = (settings.task.start == StartKind::Grasped)
         .then(|| position + arm.tool_in_body(&joints).translation.vector);
     Ok(Start { position, joints, grasped, inner_steps: steps as u64 })
@@ -235,6 +235,11 @@ fn first_setpoint(gains: &Gains, start: &Start, weight_n: f64) -> Setpoint {
     }
 }
 
+/// Joint angles of the arm, rad; rows the vehicle does not have are zero.
+fn joints(settings: &Settings, angles_rad: [f64; 2]) -> Vector2<f64> {
+    Vector2::from_fn(|row, _| if row < settings.vehicle.arm_joints.len() { angles_rad[row] } else { 0.0 })
+}
+
 fn curve(path: &PathSettings) -> Curve {
     match path.shape {
         PathShape::S => Curve::S {
@@ -256,14 +261,15 @@ fn curve(path: &PathSettings) -> Curve {
 fn task(settings: &Settings, arm: Arm) -> Box<dyn Task> {
     let task = &settings.task;
     let position = Vector3::from(task.start_position_m);
-    let transit_joints = Vector2::from(task.transit_joints_rad);
+    let transit_joints = joints(settings, task.transit_joints_rad);
+    let grasp_joints = joints(settings, task.grasp_joints_rad);
     let gripper = match task.start {
         StartKind::Grasped => GripperCommand::Close,
         StartKind::Hover => GripperCommand::Open,
     };
     match task.kind {
         TaskKind::Hover => {
-            Box::new(Hover::new(position, Vector2::from(task.grasp_joints_rad), task.duration_s, gripper))
+            Box::new(Hover::new(position, grasp_joints, task.duration_s, gripper))
         }
         TaskKind::Path => {
             Box::new(FollowPath::new(position, curve(&task.path), task.speed_m_s, transit_joints, gripper))
@@ -277,7 +283,7 @@ fn task(settings: &Settings, arm: Arm) -> Box<dyn Task> {
                 cube_size_m: settings.payload.size_m,
                 least_payload_kg: LEAST_PAYLOAD_KG,
                 opening_m: OPENING_M,
-                grasp_joints: Vector2::from(task.grasp_joints_rad),
+                grasp_joints,
                 transit_joints,
                 retry_limit: task.retry_limit,
             };

@@ -143,8 +143,8 @@ impl Metrics {
             Some(Last { payload: truth.payload_position, tilt_rad: truth.payload_tilt_rad, t_s: tick.measurement.t_s });
     }
 
-    /// The metrics by name; `place` is where the payload should rest, m. Metrics without data are left out.
-    pub fn finish(mut self, place: &Vector3<f64>) -> BTreeMap<String, f64> {
+    /// The metrics by name; `place` is where the payload should rest, m, if there is one to place. Metrics without data are left out.
+    pub fn finish(mut self, place: Option<Vector3<f64>>) -> BTreeMap<String, f64> {
         let mut out = BTreeMap::new();
         let mut put = |name: &str, value: Option<f64>| {
             if let Some(value) = value.filter(|v| v.is_finite()) {
@@ -170,11 +170,11 @@ impl Metrics {
         put("innovation_mean_peak", Some(self.innovation_peak));
         put("innovation_mean_q999", quantile(&mut self.innovation, 0.999));
         put("tilt_peak_rad", Some(self.tilt_peak_rad));
-        put("grasp_slip_mm", self.palm.map(|_| self.slip_m * 1e3));
+        put("grasp_slip_mm", self.palm.and(place).map(|_| self.slip_m * 1e3));
         if let Some(last) = self.last {
             put("flight_s", Some(last.t_s));
-            put("placement_error_mm", Some((last.payload - place).xy().norm() * 1e3));
-            put("placement_tilt_rad", Some(last.tilt_rad));
+            put("placement_error_mm", place.map(|place| (last.payload - place).xy().norm() * 1e3));
+            put("placement_tilt_rad", place.map(|_| last.tilt_rad));
         }
         out
     }

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::metrics::Metrics;
+use super::settings::TaskKind;
 use super::{BuildError, Judge, Scenario, Verdict};
 use crate::tick::{Event, Tick};
 
@@ -60,7 +61,8 @@ fn report(
     hash: u64,
 ) -> Report {
     let settings = &scenario.settings;
-    let metrics = metrics.finish(&settings.task.place_position_m.into());
+    let places = settings.task.kind == TaskKind::PickPlace;
+    let metrics = metrics.finish(places.then(|| settings.task.place_position_m.into()));
     let broken_bounds = broken_bounds(settings, &metrics);
     Report {
         scenario: scenario.name.clone(),
