@@ -191,7 +191,7 @@ impl Flight {
             dt_s,
         };
         let (setpoint, control) = self.parts.controller.control(&input, &tuning.gains);
-        self.accept(setpoint);
+        self.accept(&setpoint);
         done(Stage::Control);
         Outer { residual, forecast, adapted, control }
     }
@@ -261,12 +261,12 @@ impl Flight {
     }
 
     /// A set-point reaches the inner rows only if it is finite.
-    fn accept(&mut self, setpoint: Setpoint) {
+    fn accept(&mut self, setpoint: &Setpoint) {
         let finite = setpoint.force_in_world_n.iter().chain(setpoint.r_hat.iter()).all(|x| x.is_finite())
             && setpoint.yaw_des.iter().all(|x| x.is_finite())
             && setpoint.joint_des.iter().all(|x| x.is_finite());
         if finite {
-            self.setpoint = setpoint;
+            self.setpoint = *setpoint;
         }
     }
 

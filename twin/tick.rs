@@ -146,7 +146,7 @@ pub enum GripperCommand {
 pub struct Forecast {
     /// Base forecast `r_hat_base(t+j|t)` for `j = 0..=k`, N and N m; never empty.
     pub base: Vec<Coords>,
-    /// Regime latent `g'`, d_k; empty for predictors that have none.
+    /// Regime latent `g'`, `d_k`; empty for predictors that have none.
     pub regime: Vec<f64>,
 }
 
@@ -206,7 +206,7 @@ pub struct Setpoint {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum InnerLaw {
-    /// The paper's rows (eq:control_input) on attitude and joints.
+    /// The paper's rows (`eq:control_input`) on attitude and joints.
     #[default]
     Rows,
     /// A PX4-like rate loop on attitude, the paper's rows on the joints.
@@ -313,7 +313,7 @@ pub struct Tick {
     pub truth: Option<Truth>,
     /// What was to be flown.
     pub reference: Reference,
-    /// Measured residual `r_t`, N and N m (eq:residual_dynamics).
+    /// Measured residual `r_t`, N and N m (`eq:residual_dynamics`).
     pub residual: Coords,
     /// Base forecast and regime.
     pub forecast: Forecast,

@@ -24,7 +24,7 @@ pub struct Adaptive {
 }
 
 impl Adaptive {
-    /// eq:adaptive_law, explicit Euler with the exact leak, capped.
+    /// `eq:adaptive_law`, explicit Euler with the exact leak, capped.
     fn update_robust_gain(&mut self, sliding_norm: f64, gains: &Gains, dt_s: f64) -> f64 {
         if gains.robust_gain_initial.to_bits() != self.initial_in_force.to_bits() {
             self.initial_in_force = gains.robust_gain_initial;

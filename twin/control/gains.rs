@@ -21,7 +21,7 @@ pub enum Preset {
     Tuned,
 }
 
-/// Values in force of the adaptive control law (eq:adaptive_control_law).
+/// Values in force of the adaptive control law (`eq:adaptive_control_law`).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Gains {
     /// Error slope `Phi`, 1/s.
@@ -47,7 +47,7 @@ pub struct Gains {
 }
 
 impl Gains {
-    /// The gains of `preset` (tab:controller_params).
+    /// The gains of `preset` (`tab:controller_params`).
     pub fn preset(preset: Preset) -> Self {
         let literal = Self {
             slope: Coords::from([1.0, 1.0, 1.5, 1.1, 1.1, 1.0, 1.2, 1.2]),

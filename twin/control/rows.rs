@@ -40,7 +40,7 @@ impl Rows {
         (self.filter.eta, self.filter.eta_dot)
     }
 
-    /// eq:control_input, rows phi theta psi.
+    /// `eq:control_input`, rows phi theta psi.
     fn attitude_rows(&self, setpoint: &Setpoint, e: &Vector3<f64>, e_dot: &Vector3<f64>) -> Vector3<f64> {
         let rows = &setpoint.rows;
         let robust = robust_factor(setpoint);
@@ -62,7 +62,7 @@ impl Rows {
         })
     }
 
-    /// eq:control_input, rows q1 q2.
+    /// `eq:control_input`, rows q1 q2.
     fn joint_rows(&self, setpoint: &Setpoint, state: &InnerState) -> Vector2<f64> {
         let rows = &setpoint.rows;
         let robust = robust_factor(setpoint);

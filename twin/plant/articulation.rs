@@ -65,7 +65,7 @@ impl Articulation {
         world_from_root: &Isometry3<f64>,
     ) -> Result<Self, PlantError> {
         let mut this = Self::group_links(robot);
-        this.insert_bodies(world, robot, world_from_root)?;
+        this.insert_bodies(world, robot, world_from_root);
         this.insert_joints(world, robot)?;
         this.insert_colliders(world, robot)?;
         this.check_tensors(world, robot)?;
@@ -112,7 +112,7 @@ impl Articulation {
         world: &mut PhysicsWorld,
         robot: &Robot,
         world_from_root: &Isometry3<f64>,
-    ) -> Result<(), PlantError> {
+    ) {
         let poses = crate::model::link_poses(robot, world_from_root, &vec![0.0; robot.joints.len()]);
         for body in &mut self.bodies {
             let link = body.links[0];
@@ -123,7 +123,6 @@ impl Articulation {
                 .can_sleep(false);
             body.handle = world.insert_body(builder);
         }
-        Ok(())
     }
 
     fn insert_joints(&mut self, world: &mut PhysicsWorld, robot: &Robot) -> Result<(), PlantError> {

@@ -14,6 +14,7 @@ mod wind;
 mod sensors;
 mod estimator;
 mod truth;
+mod setup;
 pub mod vehicle;
 
 pub use articulation::Articulation;
@@ -21,6 +22,7 @@ pub use settings::{
     AeroSettings, ArenaObject, ArenaSettings, ContactSettings, GripperSettings, PayloadSettings, PlantSettings,
     RotorSettings, SensorSettings, VehicleSettings, WindKind, WindSettings,
 };
+pub use setup::new_world;
 pub use vehicle::{SimulatedVehicle, Start};
 
 /// Why a vehicle or an arena cannot be simulated.

@@ -8,7 +8,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 
 use super::settings::SensorSettings;
-use crate::notation::{GRAVITY_M_S2, MAX_ROTORS, PerRotor};
+use crate::notation::{GRAVITY_M_S2, PerRotor};
 use crate::tick::PayloadReading;
 
 /// The true state the sensors look at.
@@ -99,10 +99,10 @@ impl Sensors {
     /// Unbalanced rotors shake the frame at their turning frequency, with the square of their speed.
     fn vibration(&mut self, speed_rad_s: &PerRotor, hover_speed_rad_s: f64) -> Vector3<f64> {
         let mut sum = Vector3::zeros();
-        for i in 0..MAX_ROTORS {
-            self.vibration_phase[i] = (self.vibration_phase[i] + speed_rad_s[i] * self.dt_s) % std::f64::consts::TAU;
-            let amplitude = self.settings.vibration_m_s2 * (speed_rad_s[i] / hover_speed_rad_s.max(1.0)).powi(2);
-            let (sin, cos) = self.vibration_phase[i].sin_cos();
+        for (phase, speed) in self.vibration_phase.iter_mut().zip(speed_rad_s) {
+            *phase = (*phase + speed * self.dt_s) % std::f64::consts::TAU;
+            let amplitude = self.settings.vibration_m_s2 * (speed / hover_speed_rad_s.max(1.0)).powi(2);
+            let (sin, cos) = phase.sin_cos();
             sum += Vector3::new(cos, sin, 0.5 * sin) * amplitude;
         }
         sum * 0.5

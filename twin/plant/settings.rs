@@ -139,6 +139,7 @@ pub struct PayloadSettings {
 }
 
 /// Aerodynamics; each effect can be switched off.
+#[expect(clippy::struct_excessive_bools, reason = "independent effects, each with its switch")]
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AeroSettings {

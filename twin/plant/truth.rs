@@ -45,14 +45,14 @@ pub(super) fn truth(vehicle: &SimulatedVehicle) -> Truth {
         collision_force_n: found.collision_force_n,
         wind_in_world: vehicle.wind_now,
         rotor_thrust_n: vehicle.rotors.thrust_n,
-        contacts: found.contacts,
+        contacts: found.points,
     }
 }
 
 /// Contacts of this step with their forces.
 #[derive(Default)]
 struct Contacts {
-    contacts: Vec<Contact>,
+    points: Vec<Contact>,
     grip_force_n: f64,
     collision_force_n: f64,
 }
@@ -92,7 +92,7 @@ impl Contacts {
                 let (on_first, on_second) = manifold.data.solver_contact_world_points(contact, &world.bodies);
                 let middle = (from_vector(on_first) + from_vector(on_second)) * 0.5;
                 let force = from_vector(manifold.data.normal) * (sign * force_n);
-                self.contacts.push(Contact { point_in_world: middle.into(), force_in_world_n: force.into() });
+                self.points.push(Contact { point_in_world: middle.into(), force_in_world_n: force.into() });
             }
         }
     }

@@ -1,8 +1,7 @@
 //! The simulated vehicle as a [`Source`]: ten 1 ms steps per tick, the inner rows every second one.
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector2, Vector3};
-use rand::{RngExt, SeedableRng};
-use rand_distr::{Distribution, StandardNormal};
+use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use rapier3d_f64::prelude::*;
 
@@ -13,6 +12,7 @@ use super::estimator::{Estimator, stack};
 use super::gripper::{Gripper, apply_joint_properties};
 use super::rotors::{Delay, Rotors};
 use super::sensors::{Sensors, State};
+use super::setup::{arm_dofs, initial_joints, new_world, payload_pose};
 use super::wind::Wind;
 use super::{Articulation, PlantError, PlantSettings};
 use crate::filter::Butterworth;
@@ -88,7 +88,7 @@ impl SimulatedVehicle {
         if vehicle.rotors.len() < 3 || vehicle.rotors.len() > MAX_ROTORS {
             return Err(PlantError::Rotors { found: vehicle.rotors.len(), max: MAX_ROTORS });
         }
-        let mut world = new_world(&settings);
+        let mut world = new_world(&settings.contact);
         let mut rng = Pcg64::seed_from_u64(seed);
         let root = Isometry3::from_parts(start.position.into(), UnitQuaternion::identity());
         let articulation = Articulation::build(&mut world, &robot, &root)?;
@@ -324,80 +324,6 @@ impl Source for SimulatedVehicle {
                 self.aero.switch(name, *on);
             }
         }
-    }
-}
-
-/// Rapier with the measured settings: stiff contacts, no recycling, gravity along -z.
-fn new_world(settings: &PlantSettings) -> PhysicsWorld {
-    let mut world = PhysicsWorld { gravity: Vector::new(0.0, 0.0, -GRAVITY_M_S2), ..PhysicsWorld::default() };
-    let parameters = &mut world.integration_parameters;
-    parameters.dt = STEP_S;
-    parameters.num_solver_iterations = settings.contact.iterations;
-    parameters.num_internal_pgs_iterations = 1;
-    parameters.num_internal_stabilization_iterations = 1;
-    parameters.contact_recycling = false;
-    parameters.contact_softness = SpringCoefficients::new(settings.contact.frequency_hz, 1.0);
-    parameters.static_contact_softness = SpringCoefficients::new(settings.contact.static_frequency_hz, 1.0);
-    world
-}
-
-/// Degrees of freedom of the arm joints that have rows.
-fn arm_dofs(
-    robot: &Robot,
-    articulation: &Articulation,
-    vehicle: &super::VehicleSettings,
-) -> Result<Vec<usize>, PlantError> {
-    vehicle
-        .arm_joints
-        .iter()
-        .map(|name| {
-            let joint = robot.joint(name);
-            articulation.dofs.iter().position(|dof| Some(dof.joint) == joint).ok_or_else(|| PlantError::UnknownName {
-                key: "vehicle.arm_joints",
-                file: vehicle.urdf.clone(),
-                what: "moving joint",
-                name: name.clone(),
-                available: articulation
-                    .dofs
-                    .iter()
-                    .map(|dof| robot.joints[dof.joint].name.as_str())
-                    .collect::<Vec<_>>()
-                    .join(", "),
-            })
-        })
-        .collect()
-}
-
-/// Joint positions at the start: arm as asked, fingers open, or on the payload.
-fn initial_joints(
-    robot: &Robot,
-    articulation: &Articulation,
-    arm: &[usize],
-    gripper: Option<&Gripper>,
-    start: &Start,
-    settings: &PlantSettings,
-) -> Vec<f64> {
-    let mut positions = vec![0.0; articulation.dofs.len()];
-    for (row, dof) in arm.iter().enumerate() {
-        positions[*dof] = start.joints[row];
-    }
-    for dof in gripper.iter().flat_map(|g| g.fingers()) {
-        let joint = &robot.joints[articulation.dofs[*dof].joint];
-        positions[*dof] = if start.grasped.is_some() { 0.5 * settings.payload.size_m } else { joint.upper };
-    }
-    positions
-}
-
-/// Start pose of the cube with its seeded scatter.
-fn payload_pose(settings: &PlantSettings, start: &Start, rng: &mut Pcg64) -> Isometry3<f64> {
-    let payload = &settings.payload;
-    let mut scatter = || payload.position_spread_m * (2.0 * rng.random::<f64>() - 1.0);
-    let shift = Vector3::new(scatter(), scatter(), 0.0);
-    let normal: f64 = StandardNormal.sample(rng);
-    let yaw = payload.yaw_std_rad * normal;
-    match start.grasped {
-        Some(position) => Isometry3::translation(position.x, position.y, position.z),
-        None => Isometry3::new(Vector3::from(payload.position_m) + shift, Vector3::z() * yaw),
     }
 }
 

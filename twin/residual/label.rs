@@ -3,7 +3,7 @@
 use crate::notation::Coords;
 use crate::tick::Measurement;
 
-/// `r = H[tau_applied] - M_bar H[chi_ddot]` (eq:residual_dynamics), N and N m. Both terms went through the same filter `H`
+/// `r = H[tau_applied] - M_bar H[chi_ddot]` (`eq:residual_dynamics`), N and N m. Both terms went through the same filter `H`
 /// in the source; any mismatch there turns into a phantom force.
 pub fn residual(measurement: &Measurement, nominal_inertia: &Coords) -> Coords {
     measurement.tau_applied - nominal_inertia.component_mul(&measurement.chi_ddot)

@@ -1,7 +1,7 @@
 //! Latent Residual Adapter: Recursive Least Squares on the regime latent with forgetting, trace cap and covariance reset.
 //!
-//! In: base forecast `r_hat_base`, regime `g'`, measured residual `r`. Out: [`Adapted`]. State: `W` (d_k × n), `Sigma`
-//! (d_k × d_k), the moving average of the innovation, ticks since the last reset.
+//! In: base forecast `r_hat_base`, regime `g'`, measured residual `r`. Out: [`Adapted`]. State: `W` (`d_k` × n), `Sigma`
+//! (`d_k` × `d_k`), the moving average of the innovation, ticks since the last reset.
 
 use nalgebra::{Const, DMatrix, DVector, Dyn, OMatrix};
 use serde::{Deserialize, Serialize};
@@ -24,12 +24,12 @@ pub struct Settings {
     pub innovation_smoothing: f64,
     /// No second reset within this time, s.
     pub refractory_s: f64,
-    /// The trace of the covariance is capped at this value times d_k; infinite switches the cap off.
+    /// The trace of the covariance is capped at this value times `d_k`; infinite switches the cap off.
     pub trace_cap_per_feature: f64,
 }
 
 impl Default for Settings {
-    /// The paper's values (implementation details) with the trace cap of 10 d_k and 1 s refractory time.
+    /// The paper's values (implementation details) with the trace cap of 10 `d_k` and 1 s refractory time.
     fn default() -> Self {
         Self {
             enabled: true,
@@ -43,7 +43,7 @@ impl Default for Settings {
     }
 }
 
-/// `W`, d_k × n.
+/// `W`, `d_k` × n.
 pub type Weights = OMatrix<f64, Dyn, Const<N>>;
 
 /// The adapter's state.
@@ -69,12 +69,12 @@ impl Adapter {
         }
     }
 
-    /// `W`, d_k × n, in units of the scale.
+    /// `W`, `d_k` × n, in units of the scale.
     pub fn weights(&self) -> &Weights {
         &self.weights
     }
 
-    /// `Sigma`, d_k × d_k.
+    /// `Sigma`, `d_k` × `d_k`.
     pub fn covariance(&self) -> &DMatrix<f64> {
         &self.covariance
     }

@@ -1,4 +1,4 @@
-//! What predicts the residual `r` (eq:residual_dynamics).
+//! What predicts the residual `r` (`eq:residual_dynamics`).
 //!
 //! In: the history of coordinates, rates and applied force. Out: a [`Forecast`] of `r` and the regime latent `g'`, then the
 //! [`Adapted`](crate::tick::Adapted) estimate of the Latent Residual Adapter.

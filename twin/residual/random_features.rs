@@ -5,7 +5,7 @@
 
 use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng;
-use rand_distr::{Distribution, Normal};
+use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 
 use super::{GravityModel, HORIZON, History, NOMINAL_SCALE, Predictor, gravity};
@@ -51,9 +51,9 @@ impl RandomFeatures {
     /// `d_k` features drawn from `seed`, over the gravity force of the vehicle. The first feature is constant.
     pub fn new(model: GravityModel, d_k: usize, seed: u64) -> Self {
         let mut rng = Pcg64::seed_from_u64(seed);
-        let unit = Normal::new(0.0, 1.0).expect("a unit normal has a positive spread");
-        let mut projection = DMatrix::from_fn(d_k, N_INPUTS, |_, _| unit.sample(&mut rng) * PROJECTION_STD);
-        let mut offset = DVector::from_fn(d_k, |_, _| unit.sample(&mut rng) * OFFSET_STD);
+        let mut draw = || -> f64 { StandardNormal.sample(&mut rng) };
+        let mut projection = DMatrix::from_fn(d_k, N_INPUTS, |_, _| draw() * PROJECTION_STD);
+        let mut offset = DVector::from_fn(d_k, |_, _| draw() * OFFSET_STD);
         if d_k > 0 {
             projection.row_mut(0).fill(0.0);
             offset[0] = 20.0;

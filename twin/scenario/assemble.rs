@@ -5,7 +5,7 @@ use nalgebra::{Vector2, Vector3};
 use super::settings::{ControllerKind, PathSettings, PathShape, PredictorKind, Settings, StartKind, TaskKind, Units};
 use super::{BuildError, Scenario};
 use crate::control::{Adaptive, Allocation, Controller, Gains, Pid, Preset, Rotor, Rows};
-use crate::flight::{Flight, Parts};
+use crate::flight::Parts;
 use crate::model::{Arm, Packages, Robot, Statics};
 use crate::notation::{Coords, GRAVITY_M_S2};
 use crate::plant::{SimulatedVehicle, Start};
@@ -53,8 +53,8 @@ pub(super) fn models(scenario: &Scenario) -> Result<Models, BuildError> {
     Ok(Models { robot, objects })
 }
 
-/// The flight of a scenario at its first tick.
-pub(super) fn flight(scenario: &Scenario) -> Result<Flight, BuildError> {
+/// The parts of a scenario's flight.
+pub(super) fn parts(scenario: &Scenario) -> Result<Parts, BuildError> {
     let settings = &scenario.settings;
     let Models { robot, objects } = models(scenario)?;
     let arm_joints = arm_joints(settings, &robot)?;
@@ -81,7 +81,7 @@ pub(super) fn flight(scenario: &Scenario) -> Result<Flight, BuildError> {
     let gravity = gravity();
     let task = task(settings, arm);
     let source = SimulatedVehicle::new(robot, &objects, settings.plant(), &start, settings.seed)?;
-    Ok(Flight::new(Parts {
+    Ok(Parts {
         source: Box::new(source),
         predictor,
         adapter,
@@ -94,7 +94,7 @@ pub(super) fn flight(scenario: &Scenario) -> Result<Flight, BuildError> {
         setpoint,
         history_len: HISTORY_LEN,
         outer_divisor: u64::from(settings.controller.outer_divisor.max(1)),
-    }))
+    })
 }
 
 fn arm_joints(settings: &Settings, robot: &Robot) -> Result<Vec<usize>, BuildError> {

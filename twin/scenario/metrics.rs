@@ -1,4 +1,4 @@
-//! What a flight is judged by. Names are snake_case with the unit last.
+//! What a flight is judged by. Names are `snake_case` with the unit last.
 //!
 //! `e8` is the norm of the tracking error in m and rad: true position, yaw and joints against the reference, roll and pitch
 //! against the command filter. `rms_error_e8` covers every tick from 2 s on; `rms_error_e8_transport` the ticks with the payload

@@ -20,7 +20,7 @@ pub use settings::Settings;
 pub use verdict::{Judge, Verdict};
 
 pub use crate::control::Preset;
-use crate::flight::Flight;
+use crate::flight::{Flight, Parts};
 use crate::mirror::RecordingInfo;
 use crate::mirror::scene::Scene;
 use crate::tuning::Tuning;
@@ -64,7 +64,15 @@ impl Scenario {
     /// # Errors
     /// [`BuildError`] if a model file is not usable or does not fit the scenario.
     pub fn build(&self) -> Result<Flight, BuildError> {
-        assemble::flight(self)
+        self.parts().map(Flight::new)
+    }
+
+    /// The parts of the flight, for whoever flies them with another source, predictor or task.
+    ///
+    /// # Errors
+    /// As [`Scenario::build`].
+    pub fn parts(&self) -> Result<Parts, BuildError> {
+        assemble::parts(self)
     }
 
     /// The values a preset stands for in this scenario.

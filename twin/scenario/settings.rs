@@ -143,7 +143,7 @@ pub enum PathShape {
 pub struct PredictorSettings {
     /// Which predictor.
     pub kind: PredictorKind,
-    /// Width d_k of random features.
+    /// Width `d_k` of random features.
     pub features: usize,
     /// Seed of random features.
     pub seed: u64,

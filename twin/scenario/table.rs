@@ -84,7 +84,7 @@ pub struct Line {
     pub paper_rms_error_e8: Option<f64>,
 }
 
-/// The paper's FDT+LRA row of tab:tracking_results by scenario name.
+/// The paper's FDT+LRA row of `tab:tracking_results` by scenario name.
 const PAPER: [(&str, f64); 8] = [
     ("a_300g_slow", 0.215),
     ("a_300g_fast", 0.275),

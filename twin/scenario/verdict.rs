@@ -70,7 +70,7 @@ impl Judge {
         if !finite {
             return Some((Verdict::NonFinite, format!("the state became non-finite at {t_s:.2} s")));
         }
-        if let Some(end) = self.lost_vehicle(tick, truth).or_else(|| self.lost_payload(tick, truth)) {
+        if let Some(end) = lost_vehicle(tick, truth).or_else(|| self.lost_payload(tick, truth)) {
             return Some(end);
         }
         if let Some(why) = &tick.gave_up {
@@ -82,21 +82,6 @@ impl Judge {
         (t_s >= self.time_limit_s).then(|| {
             (Verdict::TimedOut, format!("{:.0} s ran out in phase {:?}", self.time_limit_s, tick.phase))
         })
-    }
-
-    fn lost_vehicle(&self, tick: &Tick, truth: &crate::tick::Truth) -> Option<(Verdict, String)> {
-        let t_s = tick.measurement.t_s;
-        let tilt = (truth.chi[3].cos() * truth.chi[4].cos()).clamp(-1.0, 1.0).acos();
-        if tilt > TIPPED_RAD {
-            return Some((Verdict::Crashed, format!("the vehicle tipped over ({:.0}°) at {t_s:.2} s", tilt.to_degrees())));
-        }
-        if truth.collision_force_n > CRASH_N {
-            let force = truth.collision_force_n;
-            return Some((Verdict::Crashed, format!("the vehicle hit something with {force:.0} N at {t_s:.2} s")));
-        }
-        let distance = truth.chi.fixed_rows::<3>(0).norm();
-        (distance > ARENA_RADIUS_M)
-            .then(|| (Verdict::FlewAway, format!("the vehicle was {distance:.1} m from the origin at {t_s:.2} s")))
     }
 
     fn lost_payload(&mut self, tick: &Tick, truth: &crate::tick::Truth) -> Option<(Verdict, String)> {
@@ -137,4 +122,20 @@ impl Judge {
             (Verdict::Misplaced, format!("payload ended {found}, {:.0} mm off in height", height_m * 1e3))
         }
     }
+}
+
+/// The end of a flight whose vehicle tipped over, hit something or left.
+fn lost_vehicle(tick: &Tick, truth: &crate::tick::Truth) -> Option<(Verdict, String)> {
+    let t_s = tick.measurement.t_s;
+    let tilt = (truth.chi[3].cos() * truth.chi[4].cos()).clamp(-1.0, 1.0).acos();
+    if tilt > TIPPED_RAD {
+        return Some((Verdict::Crashed, format!("the vehicle tipped over ({:.0}°) at {t_s:.2} s", tilt.to_degrees())));
+    }
+    if truth.collision_force_n > CRASH_N {
+        let force = truth.collision_force_n;
+        return Some((Verdict::Crashed, format!("the vehicle hit something with {force:.0} N at {t_s:.2} s")));
+    }
+    let distance = truth.chi.fixed_rows::<3>(0).norm();
+    (distance > ARENA_RADIUS_M)
+        .then(|| (Verdict::FlewAway, format!("the vehicle was {distance:.1} m from the origin at {t_s:.2} s")))
 }

@@ -12,6 +12,7 @@ pub type Posture = SVector<f64, 6>;
 const RAMP_ACCELERATION_M_S2: f64 = 1.0;
 
 #[derive(Clone, Copy, Debug)]
+#[expect(clippy::large_enum_variant, reason = "there is one of it, and it is copied")]
 enum Mode {
     Hold,
     Segment { quintic: Quintic<6>, t_s: f64 },
