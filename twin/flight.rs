@@ -10,7 +10,8 @@ use crate::residual::{GravityModel, History, Predictor, label, lra::Adapter};
 use crate::source::{Disturbance, Source};
 use crate::task::{Task, View};
 use crate::tick::{
-    ActuatorCommand, Adaptation, Adapted, ControlState, Event, EventKind, Fault, Forecast, Measurement, Reference, Setpoint, Tick,
+    ActuatorCommand, Adaptation, Adapted, ControlState, Event, EventKind, Fault, Forecast,
+    Measurement, Reference, Setpoint, Tick,
 };
 use crate::tuning::Tuning;
 
@@ -142,11 +143,16 @@ impl Flight {
         let measurement = self.check(measured);
         done(Stage::Source);
         let residual = label::residual(&measurement, &self.parts.tuning.gains.nominal_inertia);
-        let step = self.parts.task.update(&View { measurement: &measurement, residual: &residual }, TICK_S);
+        let step = self
+            .parts
+            .task
+            .update(&View { measurement: &measurement, residual: &residual }, TICK_S);
         self.release = step.reference.release.or(self.release);
         done(Stage::Task);
         let outer = match self.outer.take() {
-            Some(outer) if !self.index.is_multiple_of(self.parts.outer_divisor) => outer.held(residual),
+            Some(outer) if !self.index.is_multiple_of(self.parts.outer_divisor) => {
+                outer.held(residual)
+            }
             _ => self.outer(&measurement, residual, &step.reference, done),
         };
         self.outer = Some(outer.clone());
@@ -237,8 +243,12 @@ impl Flight {
     fn set_fault(&mut self, fault: Option<Fault>) {
         if fault != self.fault {
             let text = match fault {
-                Some(Fault::NonFiniteMeasurement) => "a measurement is not finite: the last one is held",
-                Some(Fault::NonFinitePrediction) => "the prediction is not finite: nominal gravity is used",
+                Some(Fault::NonFiniteMeasurement) => {
+                    "a measurement is not finite: the last one is held"
+                }
+                Some(Fault::NonFinitePrediction) => {
+                    "the prediction is not finite: nominal gravity is used"
+                }
                 Some(Fault::PitchBeyondRange) => "pitch is beyond 80 degrees: adaptation is held",
                 None => "fault is over",
             };
@@ -257,14 +267,18 @@ impl Flight {
         if self.fault.is_none() {
             self.set_fault(Some(Fault::NonFinitePrediction));
         }
-        Forecast { base: vec![*nominal_gravity; forecast.base.len().max(1)], regime: vec![0.0; forecast.regime.len()] }
+        Forecast {
+            base: vec![*nominal_gravity; forecast.base.len().max(1)],
+            regime: vec![0.0; forecast.regime.len()],
+        }
     }
 
     /// A set-point reaches the inner rows only if it is finite.
     fn accept(&mut self, setpoint: &Setpoint) {
-        let finite = setpoint.force_in_world_n.iter().chain(setpoint.r_hat.iter()).all(|x| x.is_finite())
-            && setpoint.yaw_des.iter().all(|x| x.is_finite())
-            && setpoint.joint_des.iter().all(|x| x.is_finite());
+        let finite =
+            setpoint.force_in_world_n.iter().chain(setpoint.r_hat.iter()).all(|x| x.is_finite())
+                && setpoint.yaw_des.iter().all(|x| x.is_finite())
+                && setpoint.joint_des.iter().all(|x| x.is_finite());
         if finite {
             self.setpoint = *setpoint;
         }
@@ -281,7 +295,13 @@ impl Flight {
             );
             events.push(Event::new(EventKind::Reset, text));
         }
-        for value in measurement.chi.iter().chain(&measurement.chi_dot).chain(&adapted.r_hat).chain(&self.setpoint.r_hat) {
+        for value in measurement
+            .chi
+            .iter()
+            .chain(&measurement.chi_dot)
+            .chain(&adapted.r_hat)
+            .chain(&self.setpoint.r_hat)
+        {
             self.hash = fnv(self.hash, value.to_bits());
         }
         let tick = Tick {
@@ -336,7 +356,11 @@ struct Recording<'a> {
 }
 
 impl crate::source::InnerLoop for Recording<'_> {
-    fn command(&mut self, setpoint: &Setpoint, state: &crate::source::InnerState) -> ActuatorCommand {
+    fn command(
+        &mut self,
+        setpoint: &Setpoint,
+        state: &crate::source::InnerState,
+    ) -> ActuatorCommand {
         self.last = self.rows.command(setpoint, state);
         self.last
     }
@@ -353,11 +377,15 @@ fn fnv(hash: u64, bits: u64) -> u64 {
 fn describe(disturbance: &Disturbance) -> String {
     match disturbance {
         Disturbance::PayloadMass { kg } => format!("payload is now {:.0} g", kg * 1e3),
-        Disturbance::Wind { velocity_m_s: v } => format!("wind is now [{:.1} {:.1} {:.1}] m/s", v[0], v[1], v[2]),
+        Disturbance::Wind { velocity_m_s: v } => {
+            format!("wind is now [{:.1} {:.1} {:.1}] m/s", v[0], v[1], v[2])
+        }
         Disturbance::Push { force_n: f, duration_s } => {
             format!("push of [{:.1} {:.1} {:.1}] N for {duration_s:.2} s", f[0], f[1], f[2])
         }
         Disturbance::DropPayload => "payload dropped".to_owned(),
-        Disturbance::Effect { name, on } => format!("{name} switched {}", if *on { "on" } else { "off" }),
+        Disturbance::Effect { name, on } => {
+            format!("{name} switched {}", if *on { "on" } else { "off" })
+        }
     }
 }

@@ -1,7 +1,12 @@
 //! Real-time factor of the closed loop on one core, and where the time of a tick goes.
 //!
 //! `cargo bench --bench closed_loop`. The floor of a tick is the plant: ten 1 ms steps of four substeps each.
-#![allow(missing_docs, clippy::unwrap_used, clippy::disallowed_methods, reason = "a bench measures wall-clock time")]
+#![allow(
+    missing_docs,
+    clippy::unwrap_used,
+    clippy::disallowed_methods,
+    reason = "a bench measures wall-clock time"
+)]
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -34,7 +39,10 @@ fn shares(label: &str, flight: &mut Flight) {
     }
     let total = started.elapsed();
     let factor = SHARE_TICKS as f64 * TICK_S / total.as_secs_f64();
-    println!("{label}: {factor:.1} x real time, {:.0} us per tick", total.as_secs_f64() / SHARE_TICKS as f64 * 1e6);
+    println!(
+        "{label}: {factor:.1} x real time, {:.0} us per tick",
+        total.as_secs_f64() / SHARE_TICKS as f64 * 1e6
+    );
     for (stage, time) in spent {
         println!("  {stage:8} {:5.2} %", 100.0 * time.as_secs_f64() / total.as_secs_f64());
     }
@@ -43,11 +51,18 @@ fn shares(label: &str, flight: &mut Flight) {
 fn closed_loop(c: &mut Criterion) {
     let cases: [(&str, &str, &[&str]); 2] = [
         ("free_flight", "scenarios/hover.toml", &[]),
-        ("grasp", "scenarios/reset_demo.toml", &["disturbances=[]", "predictor.kind=random_features"]),
+        (
+            "grasp",
+            "scenarios/reset_demo.toml",
+            &["disturbances=[]", "predictor.kind=random_features"],
+        ),
     ];
     let mut group = c.benchmark_group("tick");
     // One element is one simulated second: the throughput is the real-time factor.
-    group.throughput(Throughput::Elements(1)).sample_size(20).measurement_time(Duration::from_secs(5));
+    group
+        .throughput(Throughput::Elements(1))
+        .sample_size(20)
+        .measurement_time(Duration::from_secs(5));
     for (label, file, overrides) in cases {
         let mut flight = flight(file, overrides);
         for _ in 0..100 {

@@ -33,7 +33,8 @@ impl Adaptive {
         let sigma_hat = self.robust_gain.unwrap_or(gains.robust_gain_initial);
         let leak = (-gains.leak * dt_s).exp();
         let next = sigma_hat * leak + sliding_norm * (1.0 - leak) / gains.leak;
-        let next = if next.is_finite() { next.clamp(0.0, gains.robust_gain_cap) } else { sigma_hat };
+        let next =
+            if next.is_finite() { next.clamp(0.0, gains.robust_gain_cap) } else { sigma_hat };
         self.robust_gain = Some(next);
         next
     }
@@ -55,7 +56,9 @@ impl Controller for Adaptive {
             input.dt_s,
         );
         // eq:control_input, rows x y z; the other rows run at 500 Hz in `rows`.
-        let tau = gains.nominal_inertia.component_mul(&(reference.chi_des_ddot - gains.slope.component_mul(&e_dot)))
+        let tau = gains
+            .nominal_inertia
+            .component_mul(&(reference.chi_des_ddot - gains.slope.component_mul(&e_dot)))
             - gains.damping.component_mul(&s)
             + r_hat
             - s * (sigma_hat / sliding_norm.max(gains.boundary_layer).max(f64::MIN_POSITIVE));
@@ -100,7 +103,11 @@ pub(super) fn setpoint(
     let yaw = |c: &Coords| attitude(c).z;
     Setpoint {
         force_in_world_n,
-        yaw_des: [yaw(&reference.chi_des), yaw(&reference.chi_des_dot), yaw(&reference.chi_des_ddot)],
+        yaw_des: [
+            yaw(&reference.chi_des),
+            yaw(&reference.chi_des_dot),
+            yaw(&reference.chi_des_ddot),
+        ],
         joint_des: joints(&reference.chi_des),
         joint_des_dot: joints(&reference.chi_des_dot),
         joint_des_ddot: joints(&reference.chi_des_ddot),

@@ -47,7 +47,9 @@ impl Compensation {
                 let window = Coords::from(WINDOW);
                 r_hat.zip_zip_map(&(centre - window), &(centre + window), f64::clamp)
             }
-            (Adaptation::Held, None) => hold_translation(self.centre.get_or_insert(self.output), residual),
+            (Adaptation::Held, None) => {
+                hold_translation(self.centre.get_or_insert(self.output), residual)
+            }
         };
         let input = if gains.clips {
             let clip = Coords::from(CLIP);
@@ -101,24 +103,46 @@ mod tests {
         let gravity = Coords::zeros();
         let (live, wild) = (Coords::repeat(0.4), Coords::repeat(0.1));
         let mut c = Compensation::default();
-        let before = c.step(&Coords::repeat(0.5), &live, &gravity, &reference(Adaptation::Free), &gains, 0.01);
+        let before = c.step(
+            &Coords::repeat(0.5),
+            &live,
+            &gravity,
+            &reference(Adaptation::Free),
+            &gains,
+            0.01,
+        );
         let held = c.step(&wild, &live, &gravity, &reference(Adaptation::Held), &gains, 0.01);
         assert_eq!(before.fixed_rows::<3>(0), held.fixed_rows::<3>(0));
-        assert!(held[4] < before[4] && held[4] > live[4], "attitude rows follow the measured residual");
+        assert!(
+            held[4] < before[4] && held[4] > live[4],
+            "attitude rows follow the measured residual"
+        );
         let jump = Reference { release: Some(Coords::repeat(0.3)), ..reference(Adaptation::Held) };
         for reference in [jump, reference(Adaptation::Held)] {
             let released = c.step(&wild, &live, &gravity, &reference, &gains, 0.01);
-            assert!((released.fixed_rows::<3>(0) - Coords::repeat(0.3).fixed_rows::<3>(0)).norm() < 1e-12);
+            assert!(
+                (released.fixed_rows::<3>(0) - Coords::repeat(0.3).fixed_rows::<3>(0)).norm()
+                    < 1e-12
+            );
         }
     }
 
     #[test]
     fn bounded_compensation_stays_in_its_window() {
-        let gains = Gains { clips: false, residual_bandwidth_hz: 50.0, ..Gains::preset(Preset::Tuned) };
+        let gains =
+            Gains { clips: false, residual_bandwidth_hz: 50.0, ..Gains::preset(Preset::Tuned) };
         let mut c = Compensation::default();
-        c.step(&Coords::zeros(), &Coords::zeros(), &Coords::zeros(), &reference(Adaptation::Free), &gains, 0.01);
+        c.step(
+            &Coords::zeros(),
+            &Coords::zeros(),
+            &Coords::zeros(),
+            &reference(Adaptation::Free),
+            &gains,
+            0.01,
+        );
         let far = Coords::repeat(100.0);
-        let out = c.step(&far, &far, &Coords::zeros(), &reference(Adaptation::Bounded), &gains, 0.01);
+        let out =
+            c.step(&far, &far, &Coords::zeros(), &reference(Adaptation::Bounded), &gains, 0.01);
         assert_eq!(out, Coords::from(WINDOW));
     }
 }

@@ -1,13 +1,13 @@
 //! What makes `tau`: total functions that cannot fail. An outer law makes a [`Setpoint`] at 100 Hz, the inner rows turn it
 //! into rotor thrusts and joint torques at 500 Hz.
 
-pub mod gains;
 pub mod adaptive;
+pub mod allocation;
+pub mod attitude;
 pub mod compensation;
+pub mod gains;
 pub mod pid;
 pub mod rows;
-pub mod attitude;
-pub mod allocation;
 
 use nalgebra::Vector3;
 

@@ -86,7 +86,11 @@ impl Adapter {
         let power = g.norm_squared();
         let base = forecast.base.first().copied().unwrap_or_else(Coords::zeros);
         let step = (known - base).component_div(&self.scale) - self.correction(&g);
-        if g.len() == self.weights.nrows() && power > 0.0 && power.is_finite() && step.iter().all(|v| v.is_finite()) {
+        if g.len() == self.weights.nrows()
+            && power > 0.0
+            && power.is_finite()
+            && step.iter().all(|v| v.is_finite())
+        {
             self.weights += &g * (step / power).transpose();
         }
     }
@@ -118,7 +122,11 @@ impl Adapter {
             gain_norm = self.rls(&g, &innovation, settings);
             reset = self.detect_reset(&innovation, dt_s, settings);
         }
-        let r_hat = if settings.enabled { base + self.correction(&g).component_mul(&self.scale) } else { base };
+        let r_hat = if settings.enabled {
+            base + self.correction(&g).component_mul(&self.scale)
+        } else {
+            base
+        };
         let diagonal = self.covariance.diagonal();
         Adapted {
             r_hat, // r_adapt
@@ -237,7 +245,9 @@ mod tests {
             adapter.step(&forecast(&[1.0]), &Coords::zeros(), 0.01, false, &settings);
         }
         let resets: Vec<usize> = (0..100)
-            .filter(|_| adapter.step(&forecast(&[1.0]), &Coords::repeat(5.0), 0.01, false, &settings).reset)
+            .filter(|_| {
+                adapter.step(&forecast(&[1.0]), &Coords::repeat(5.0), 0.01, false, &settings).reset
+            })
             .collect();
         assert_eq!(resets.len(), 1, "a collapsed covariance reopens once: {resets:?}");
     }
@@ -248,7 +258,8 @@ mod tests {
         let mut adapter = Adapter::new(2, Coords::repeat(2.0), &settings);
         adapter.step(&forecast(&[1.0, 0.5]), &Coords::repeat(3.0), 0.01, false, &settings);
         adapter.move_to(&forecast(&[1.0, 0.5]), &Coords::repeat(-5.0));
-        let after = adapter.step(&forecast(&[1.0, 0.5]), &Coords::zeros(), 0.01, true, &settings).r_hat;
+        let after =
+            adapter.step(&forecast(&[1.0, 0.5]), &Coords::zeros(), 0.01, true, &settings).r_hat;
         assert!((after - Coords::repeat(-5.0)).norm() < 1e-12);
     }
 

@@ -2,7 +2,9 @@
 
 use nalgebra::{Vector2, Vector3};
 
-use super::settings::{ControllerKind, PathSettings, PathShape, PredictorKind, Settings, StartKind, TaskKind, Units};
+use super::settings::{
+    ControllerKind, PathSettings, PathShape, PredictorKind, Settings, StartKind, TaskKind, Units,
+};
 use super::{BuildError, Scenario};
 use crate::control::{Adaptive, Allocation, Controller, Gains, Pid, Preset, Rotor, Rows};
 use crate::flight::Parts;
@@ -10,7 +12,8 @@ use crate::model::{Arm, Packages, Robot, Statics};
 use crate::notation::{Coords, GRAVITY_M_S2};
 use crate::plant::{SimulatedVehicle, Start};
 use crate::residual::{
-    Bias, Gravity, GravityModel, NOMINAL_SCALE, None as NoPrediction, Persistence, Predictor, RandomFeatures, lra,
+    Bias, Gravity, GravityModel, NOMINAL_SCALE, None as NoPrediction, Persistence, Predictor,
+    RandomFeatures, lra,
 };
 use crate::task::path::Curve;
 use crate::task::{FollowPath, Hover, Mission, PickPlace, Task};
@@ -39,7 +42,9 @@ pub(super) fn models(scenario: &Scenario) -> Result<Models, BuildError> {
         .packages
         .iter()
         .map(|pair| match pair.split_once('=') {
-            Some((name, path)) if !name.is_empty() && !path.is_empty() => Ok((name.to_owned(), folder.join(path))),
+            Some((name, path)) if !name.is_empty() && !path.is_empty() => {
+                Ok((name.to_owned(), folder.join(path)))
+            }
             _ => Err(BuildError::Unfit {
                 key: "vehicle.packages",
                 reason: format!("found {pair:?}, expected \"name=folder\""),
@@ -48,7 +53,8 @@ pub(super) fn models(scenario: &Scenario) -> Result<Models, BuildError> {
         .collect::<Result<Vec<_>, _>>()?;
     let packages = Packages(packages);
     let robot = Robot::load(&folder.join(&settings.vehicle.urdf), &packages)?;
-    let load = |object: &crate::plant::ArenaObject| Robot::load(&folder.join(&object.urdf), &packages);
+    let load =
+        |object: &crate::plant::ArenaObject| Robot::load(&folder.join(&object.urdf), &packages);
     let objects = settings.arena.objects.iter().map(load).collect::<Result<Vec<_>, _>>()?;
     Ok(Models { robot, objects })
 }
@@ -100,7 +106,8 @@ pub(super) fn parts(scenario: &Scenario) -> Result<Parts, BuildError> {
 fn arm_joints(settings: &Settings, robot: &Robot) -> Result<Vec<usize>, BuildError> {
     let names = &settings.vehicle.arm_joints;
     if names.len() > 2 {
-        let reason = format!("{} joints given, at most two have rows; leave the others out", names.len());
+        let reason =
+            format!("{} joints given, at most two have rows; leave the others out", names.len());
         return Err(BuildError::Unfit { key: "vehicle.arm_joints", reason });
     }
     names
@@ -136,7 +143,8 @@ fn arm(settings: &Settings, robot: &Robot, joints: &[usize]) -> Result<Arm, Buil
 fn start(settings: &Settings, arm: &Arm) -> Result<Start, BuildError> {
     let steps = 1000.0 / settings.controller.inner_hz;
     if steps.fract() != 0.0 || steps < 1.0 {
-        let reason = format!("{} Hz does not divide the plant's 1000 Hz", settings.controller.inner_hz);
+        let reason =
+            format!("{} Hz does not divide the plant's 1000 Hz", settings.controller.inner_hz);
         return Err(BuildError::Unfit { key: "controller.inner_hz", reason });
     }
     let position = Vector3::from(settings.task.start_position_m);
@@ -155,9 +163,11 @@ fn predictor(settings: &Settings, gravity: &dyn Fn() -> GravityModel) -> Box<dyn
         PredictorKind::Gravity => Box::new(Gravity::new(gravity())),
         PredictorKind::Persistence => Box::new(Persistence),
         PredictorKind::Bias => Box::new(Bias::new(gravity())),
-        PredictorKind::RandomFeatures => {
-            Box::new(RandomFeatures::new(gravity(), settings.predictor.features, settings.predictor.seed))
-        }
+        PredictorKind::RandomFeatures => Box::new(RandomFeatures::new(
+            gravity(),
+            settings.predictor.features,
+            settings.predictor.seed,
+        )),
     }
 }
 
@@ -237,7 +247,9 @@ fn first_setpoint(gains: &Gains, start: &Start, weight_n: f64) -> Setpoint {
 
 /// Joint angles of the arm, rad; rows the vehicle does not have are zero.
 fn joints(settings: &Settings, angles_rad: [f64; 2]) -> Vector2<f64> {
-    Vector2::from_fn(|row, _| if row < settings.vehicle.arm_joints.len() { angles_rad[row] } else { 0.0 })
+    Vector2::from_fn(
+        |row, _| if row < settings.vehicle.arm_joints.len() { angles_rad[row] } else { 0.0 },
+    )
 }
 
 fn curve(path: &PathSettings) -> Curve {
@@ -268,12 +280,14 @@ fn task(settings: &Settings, arm: Arm) -> Box<dyn Task> {
         StartKind::Hover => GripperCommand::Open,
     };
     match task.kind {
-        TaskKind::Hover => {
-            Box::new(Hover::new(position, grasp_joints, task.duration_s, gripper))
-        }
-        TaskKind::Path => {
-            Box::new(FollowPath::new(position, curve(&task.path), task.speed_m_s, transit_joints, gripper))
-        }
+        TaskKind::Hover => Box::new(Hover::new(position, grasp_joints, task.duration_s, gripper)),
+        TaskKind::Path => Box::new(FollowPath::new(
+            position,
+            curve(&task.path),
+            task.speed_m_s,
+            transit_joints,
+            gripper,
+        )),
         TaskKind::PickPlace => {
             let mission = Mission {
                 start: position,

@@ -47,7 +47,14 @@ pub fn fly(scenario: &Scenario, watch: &mut dyn FnMut(&Tick)) -> Result<Report, 
         metrics.add(&tick);
         watch(&tick);
         if let Some((verdict, reason)) = judge.watch(&tick) {
-            return Ok(report(scenario, metrics, verdict, reason, tick.measurement.t_s, flight.state_hash()));
+            return Ok(report(
+                scenario,
+                metrics,
+                verdict,
+                reason,
+                tick.measurement.t_s,
+                flight.state_hash(),
+            ));
         }
     }
 }
@@ -87,7 +94,8 @@ fn broken_bounds(settings: &super::Settings, metrics: &BTreeMap<String, f64>) ->
         let low = bound.min.is_some_and(|min| *value < min);
         let high = bound.max.is_some_and(|max| *value > max);
         (low || high).then(|| {
-            let text = |limit: Option<f64>| limit.map_or_else(|| "..".to_owned(), |v| format!("{v}"));
+            let text =
+                |limit: Option<f64>| limit.map_or_else(|| "..".to_owned(), |v| format!("{v}"));
             format!("{name} is {value:.4}, allowed {} to {}", text(bound.min), text(bound.max))
         })
     };
@@ -96,5 +104,7 @@ fn broken_bounds(settings: &super::Settings, metrics: &BTreeMap<String, f64>) ->
 
 /// The events of a tick with their time, one line each.
 pub fn event_lines(tick: &Tick) -> impl Iterator<Item = String> + '_ {
-    tick.events.iter().map(|Event { kind, text }| format!("{:8.2} s  {kind:?}: {text}", tick.measurement.t_s))
+    tick.events
+        .iter()
+        .map(|Event { kind, text }| format!("{:8.2} s  {kind:?}: {text}", tick.measurement.t_s))
 }

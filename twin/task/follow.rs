@@ -33,7 +33,13 @@ pub struct FollowPath {
 
 impl FollowPath {
     /// From `start` (m) along `curve` at `speed_m_s` with the arm at `joints` (rad).
-    pub fn new(start: Vector3<f64>, curve: Curve, speed_m_s: f64, joints: Vector2<f64>, gripper: GripperCommand) -> Self {
+    pub fn new(
+        start: Vector3<f64>,
+        curve: Curve,
+        speed_m_s: f64,
+        joints: Vector2<f64>,
+        gripper: GripperCommand,
+    ) -> Self {
         Self {
             motion: Motion::new(posture(&start, &joints)),
             path: TimedPath::new(curve, speed_m_s),
@@ -51,7 +57,9 @@ impl FollowPath {
                 (Phase::Approach, "flying to the start of the path")
             }
             Phase::Approach if self.motion.arrived() => (Phase::Path, "following the path"),
-            Phase::Path if self.phase_s >= self.path.duration_s() => (Phase::Rest, "hovering at the end of the path"),
+            Phase::Path if self.phase_s >= self.path.duration_s() => {
+                (Phase::Rest, "hovering at the end of the path")
+            }
             _ => return None,
         };
         self.phase = next;

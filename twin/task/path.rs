@@ -53,7 +53,8 @@ impl Curve {
             Self::S { from, length_m, sway_m, rise_m, bob_m } => {
                 let (s, c) = (TAU * u).sin_cos();
                 [
-                    Vector3::from(from) + Vector3::new(length_m * u, sway_m * s, rise_m * u + bob_m * s),
+                    Vector3::from(from)
+                        + Vector3::new(length_m * u, sway_m * s, rise_m * u + bob_m * s),
                     Vector3::new(length_m, sway_m * TAU * c, rise_m + bob_m * TAU * c),
                     Vector3::new(0.0, sway_m, bob_m) * (-TAU * TAU * s),
                 ]
@@ -169,7 +170,13 @@ mod tests {
 
     fn curves() -> [Curve; 2] {
         [
-            Curve::S { from: [-1.5, 0.0, 1.0], length_m: 3.0, sway_m: 0.5, rise_m: 0.3, bob_m: 0.2 },
+            Curve::S {
+                from: [-1.5, 0.0, 1.0],
+                length_m: 3.0,
+                sway_m: 0.5,
+                rise_m: 0.3,
+                bob_m: 0.2,
+            },
             Curve::FigureEight { centre: [0.0, 0.0, 1.25], a_m: 1.2, b_m: 0.6, laps: 2.0 },
         ]
     }
@@ -203,7 +210,11 @@ mod tests {
                 let t = path.duration_s() * f64::from(i) / 100.0;
                 let (a, b, c) = (path.at(t - h), path.at(t), path.at(t + h));
                 assert!(((c.value - a.value) / (2.0 * h) - b.rate).norm() < TABLE_TOLERANCE);
-                assert!(((c.rate - a.rate) / (2.0 * h) - b.acceleration).norm() < 10.0 * TABLE_TOLERANCE, "at {t}");
+                assert!(
+                    ((c.rate - a.rate) / (2.0 * h) - b.acceleration).norm()
+                        < 10.0 * TABLE_TOLERANCE,
+                    "at {t}"
+                );
             }
         }
     }

@@ -4,10 +4,10 @@
 //! moment when the tip is centred *and will stay so* for the time the fingers need, and trying again when it was missed, is
 //! what makes the grasp reliable. Phases advance on conditions; every phase has a time-out that goes back or gives up.
 
-mod signals;
 mod phase;
 mod pick;
 mod place;
+mod signals;
 
 use nalgebra::{Vector2, Vector3};
 
@@ -147,7 +147,8 @@ impl PickPlace {
     /// Where the tip is meant to be now, from the reference.
     fn tip_reference(&self) -> Vector3<f64> {
         let p = self.motion.posture();
-        Vector3::new(p[0], p[1], p[2]) + self.arm.tool_in_body(&Vector2::new(p[4], p[5])).translation.vector
+        Vector3::new(p[0], p[1], p[2])
+            + self.arm.tool_in_body(&Vector2::new(p[4], p[5])).translation.vector
     }
 
     /// Ends the task without success.
@@ -175,7 +176,9 @@ impl PickPlace {
         match self.phase {
             Phase::Plunge | Phase::Dwell | Phase::Close => Adaptation::Bounded,
             Phase::Touchdown | Phase::Open => Adaptation::Held,
-            Phase::Retreat if self.phase_s < place::HOLD_AFTER_OPENING_S - place::OPEN_S => Adaptation::Held,
+            Phase::Retreat if self.phase_s < place::HOLD_AFTER_OPENING_S - place::OPEN_S => {
+                Adaptation::Held
+            }
             _ => Adaptation::Free,
         }
     }
@@ -186,7 +189,11 @@ impl Task for PickPlace {
         self.signals.update(view, &self.arm, dt_s);
         self.phase_s += dt_s;
         let before = self.phase;
-        if self.phase.picks() { self.pick(view, dt_s) } else { self.place(view, dt_s) }
+        if self.phase.picks() {
+            self.pick(view, dt_s);
+        } else {
+            self.place(view, dt_s);
+        }
         let opened = before == Phase::Touchdown && self.phase == Phase::Open;
         if !matches!(self.phase, Phase::Touchdown | Phase::Open) {
             self.motion.step(dt_s);

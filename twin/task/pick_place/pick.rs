@@ -107,7 +107,8 @@ impl PickPlace {
         let speed = if e.xy().norm() > DESCEND_PAUSE_M { 0.0 } else { DESCEND_M_S };
         self.motion.ramp(self.base_z(target.z), speed);
         let w = DESCEND_WINDOW_M;
-        let inside = e.x.abs() < w && e.y.abs() < w && ahead.x.abs() < 1.5 * w && ahead.y.abs() < 1.5 * w;
+        let inside =
+            e.x.abs() < w && e.y.abs() < w && ahead.x.abs() < 1.5 * w && ahead.y.abs() < 1.5 * w;
         let centred = self.motion.arrived() && inside && self.signals.speed() < 0.05;
         if self.held(centred, 0.05, dt_s) {
             self.motion.ramp(self.base_z(self.grip_point().z), PLUNGE_M_S);
@@ -135,7 +136,8 @@ impl PickPlace {
 
     fn dwell(&mut self, dt_s: f64) {
         let (e, ahead) = self.signals.errors(&self.grip_point());
-        let inside = (0..3).all(|i| e[i].abs() < DWELL_WINDOW_M[i] && ahead[i].abs() < DWELL_WINDOW_M[i]);
+        let inside =
+            (0..3).all(|i| e[i].abs() < DWELL_WINDOW_M[i] && ahead[i].abs() < DWELL_WINDOW_M[i]);
         let push = self.signals.r - self.r_empty;
         let leaning = e.y.abs() > self.clearance() - LEAN_M;
         let contact = push[0].hypot(push[1]) > CONTACT_N[0]
@@ -153,7 +155,9 @@ impl PickPlace {
         let gripper = view.measurement.gripper;
         let still = gripper.speed_m_s.abs() < 2.0 * CLOSED_SPEED_M_S && self.phase_s > 0.1;
         if self.held(still, 0.15, dt_s) {
-            if gripper.opening_m > 0.3 * self.mission.cube_size_m && gripper.opening_m < 0.95 * self.mission.opening_m {
+            if gripper.opening_m > 0.3 * self.mission.cube_size_m
+                && gripper.opening_m < 0.95 * self.mission.opening_m
+            {
                 let mut up = self.motion.posture();
                 up.z += LIFT_M;
                 self.motion.go(up, LIFT_S);
@@ -197,7 +201,8 @@ impl PickPlace {
         self.events.push(Event::new(EventKind::Grasp, format!("payload feels like {grams:.0} g")));
         let start = self.path.start();
         let q = self.mission.transit_joints;
-        self.motion.go(Posture::new(start.x, start.y, start.z, 0.0, q.x, q.y), super::place::FOLD_S);
+        self.motion
+            .go(Posture::new(start.x, start.y, start.z, 0.0, q.x, q.y), super::place::FOLD_S);
         self.enter(Phase::Fold);
     }
 
@@ -208,7 +213,10 @@ impl PickPlace {
             self.give_up(format!("no grasp after {} attempts: {why}", self.retries));
             return;
         }
-        self.events.push(Event::new(EventKind::Retry, format!("attempt {} given up: {why}", self.retries)));
+        self.events.push(Event::new(
+            EventKind::Retry,
+            format!("attempt {} given up: {why}", self.retries),
+        ));
         if let Some(cube) = self.signals.cube {
             self.cube = cube;
         }

@@ -56,7 +56,9 @@ impl PickPlace {
                 self.events.push(Event::new(EventKind::Release, "payload put down"));
                 self.enter(Phase::Open);
             }
-            Phase::Open if self.phase_s >= OPEN_S => self.climb(Phase::Retreat, RETREAT_M, RETREAT_S),
+            Phase::Open if self.phase_s >= OPEN_S => {
+                self.climb(Phase::Retreat, RETREAT_M, RETREAT_S);
+            }
             Phase::Retreat if self.motion.arrived() => self.climb(Phase::Leave, LEAVE_M, LEAVE_S),
             Phase::Leave if self.motion.arrived() => self.enter(Phase::Rest),
             Phase::Rest if self.phase_s >= REST_S => self.finished = true,
@@ -112,7 +114,8 @@ impl PickPlace {
         if self.held(inside && self.signals.speed() < WAIT_SPEED_M_S, 0.05, dt_s) {
             self.r_before_plunge = self.signals.r;
             self.r_above_place = self.signals.r_slow;
-            self.motion.ramp(self.base_z(self.tip_above_place(-BELOW_CONTACT_M).z), PLACE_PLUNGE_M_S);
+            self.motion
+                .ramp(self.base_z(self.tip_above_place(-BELOW_CONTACT_M).z), PLACE_PLUNGE_M_S);
             self.enter(Phase::PlacePlunge);
         } else if self.phase_s > WAIT_TIMEOUT_S {
             self.back_above_place("no centred moment above the place");
@@ -136,7 +139,10 @@ impl PickPlace {
     fn back_above_place(&mut self, why: &str) {
         self.retries += 1;
         if self.retries > self.mission.retry_limit {
-            self.give_up(format!("the cube could not be placed after {} attempts: {why}", self.retries));
+            self.give_up(format!(
+                "the cube could not be placed after {} attempts: {why}",
+                self.retries
+            ));
             return;
         }
         self.events.push(Event::new(EventKind::Retry, format!("placing tried again: {why}")));
