@@ -208,13 +208,13 @@ mod tests {
             let mut adapter = Adapter::new(4, Coords::repeat(1.0), &settings);
             let lambda: f64 = settings.forgetting;
             // Oracle: argmin sum lambda^(T-t) (y - w'g)^2 + lambda^T |w|^2 / sigma_0 by the normal equations.
-            let total = data.len() as i32;
+            let total = i32::try_from(data.len()).unwrap();
             let mut a = DMatrix::identity(4, 4) * lambda.powi(total);
             let mut b = DVector::zeros(4);
             for (t, (g, y)) in data.iter().enumerate() {
                 adapter.step(&forecast(g), &Coords::repeat(*y), 0.01, false, &settings);
                 let g = DVector::from_column_slice(g);
-                let weight = lambda.powi(total - 1 - t as i32);
+                let weight = lambda.powi(total - 1 - i32::try_from(t).unwrap());
                 a += &g * g.transpose() * weight;
                 b += &g * (*y * weight);
             }

@@ -207,7 +207,7 @@ mod tests {
         assert_eq!(lines.len(), 2);
         assert_eq!((lines[0].flights, lines[0].completed), (3, 2));
         assert_eq!(lines[0].other_verdicts["Dropped"], 1);
-        assert_eq!(lines[0].values["grasp_slip_mm_median"], 2.0);
+        assert_eq!(lines[0].values["grasp_slip_mm_median"].to_bits(), 2.0_f64.to_bits());
         assert_eq!(lines[0].paper_rms_error_e8, Some(0.173));
         assert_eq!(lines[1].paper_rms_error_e8, None);
     }
