@@ -5,7 +5,7 @@
 
 use std::collections::VecDeque;
 
-use nalgebra::{Matrix3, Rotation3, Vector2, Vector3};
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector2, Vector3};
 
 use super::sensors::{Imu, Mocap};
 use crate::filter::Butterworth;
@@ -116,7 +116,7 @@ impl Estimator {
         let w = ATTITUDE_POLE_RAD_S;
         let turn = Rotation3::new(tilt * (2.0 * w * dt));
         self.rotation *= turn;
-        self.rotation.renormalize();
+        self.rotation = orthonormal(&self.rotation);
         self.gyro_bias -= tilt * (w * w * dt);
     }
 
@@ -151,6 +151,17 @@ impl Estimator {
     }
 }
 
+/// Most iterations of [`orthonormal`]; one or two are usual.
+const ORTHONORMAL_ITERATIONS: usize = 100;
+
+/// The rotation nearest to what rounding left of one. `Rotation3::renormalize` does the same without a limit: near its
+/// machine-epsilon tolerance it may cycle forever, and on NaN it always does.
+fn orthonormal(rotation: &Rotation3<f64>) -> Rotation3<f64> {
+    let mut guess = UnitQuaternion::from(*rotation);
+    guess.renormalize();
+    Rotation3::from_matrix_eps(rotation.matrix(), f64::EPSILON, ORTHONORMAL_ITERATIONS, guess.into())
+}
+
 /// Coordinates from their three parts.
 pub(super) fn stack(
     position: &Vector3<f64>,
@@ -160,4 +171,21 @@ pub(super) fn stack(
     Coords::from([
         position.x, position.y, position.z, attitude.x, attitude.y, attitude.z, joint.x, joint.y,
     ])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn making_a_rotation_orthonormal_ends_whatever_it_is_given() {
+        let nearly = Rotation3::from_euler_angles(0.3, -0.2, 0.1).into_inner() * (1.0 + 1e-9);
+        let made = orthonormal(&Rotation3::from_matrix_unchecked(nearly));
+        let error = (made.matrix() * made.matrix().transpose() - Matrix3::identity()).norm();
+        // A matrix of f64 is orthonormal to some roundings.
+        assert!(error < 1e-14, "{error:.1e}");
+        for unusable in [f64::NAN, f64::INFINITY, 0.0] {
+            orthonormal(&Rotation3::from_matrix_unchecked(Matrix3::repeat(unusable)));
+        }
+    }
 }

@@ -1,0 +1,154 @@
+//! One second of open-loop flight of the whole simulated vehicle against the oracle integrated by Runge and Kutta.
+
+use nalgebra::{DVector, Rotation3, UnitQuaternion, Vector2, Vector3};
+use twin::model::{JointKind, Robot};
+use twin::notation::{Coords, MAX_ROTORS};
+use twin::plant::{PlantSettings, SimulatedVehicle, Start};
+use twin::source::{InnerLoop, InnerState, Source};
+use twin::tick::{ActuatorCommand, Setpoint};
+
+use super::oracle::{Effort, Oracle, State};
+use super::rig::{aerial_manipulator, any_setpoint, quiet_settings};
+
+/// The plant is first order in its substep of 0.25 ms; measured at this length and iteration count.
+const POSITION_TOLERANCE_M: f64 = 2e-3;
+const ATTITUDE_TOLERANCE_DEG: f64 = 0.05;
+const JOINT_TOLERANCE_DEG: f64 = 0.1;
+
+/// The flight is only a test of gyroscopic terms and of the mid-step attitude if it tilts.
+const LEAST_TILT_DEG: f64 = 40.0;
+
+/// Plant step, s, and steps of the oracle in it.
+const STEP_S: f64 = 1e-3;
+const SUBSTEPS: u32 = 10;
+
+/// Rotor thrusts and joint torques of step `k`.
+fn command(k: u32) -> ActuatorCommand {
+    let t = f64::from(k) * STEP_S;
+    let wave = |hz: f64, phase: f64| (std::f64::consts::TAU * hz * t + phase).sin();
+    let mut rotor_thrust_n = [0.0; MAX_ROTORS];
+    rotor_thrust_n[0] = 8.20 + 0.10 * wave(0.7, 0.3);
+    rotor_thrust_n[1] = 7.12 + 0.15 * wave(1.1, 1.0);
+    rotor_thrust_n[2] = 7.02 + 0.10 * wave(1.6, 2.0);
+    rotor_thrust_n[3] = 8.12 + 0.15 * wave(0.9, 0.0);
+    let joint_torque_n_m = Vector2::new(0.5 * wave(1.3, 0.0), 0.3 * wave(1.9, 0.5));
+    ActuatorCommand { rotor_thrust_n, joint_torque_n_m, saturated: false }
+}
+
+/// Counts its calls: one for each step.
+struct OpenLoop(u32);
+
+impl InnerLoop for OpenLoop {
+    fn command(&mut self, _setpoint: &Setpoint, _state: &InnerState) -> ActuatorCommand {
+        self.0 += 1;
+        command(self.0 - 1)
+    }
+}
+
+/// The vehicle with its fingers fixed and its joints without dry friction.
+fn robot() -> Robot {
+    let mut robot = aerial_manipulator();
+    for joint in &mut robot.joints {
+        joint.friction = 0.0;
+        if joint.kind == JointKind::Prismatic {
+            joint.kind = JointKind::Fixed;
+            joint.mimic = None;
+        }
+    }
+    robot
+}
+
+/// Actuators that do at once what they are told.
+fn settings() -> PlantSettings {
+    let mut settings = quiet_settings();
+    settings.vehicle.gripper.joint.clear();
+    settings.vehicle.joint_delay_s = 0.0;
+    settings.vehicle.rotor.delay_s = 0.0;
+    settings.vehicle.rotor.lag_s = 1e-9;
+    settings.vehicle.rotor.thrust_scale = 1.0;
+    settings.payload.mass_kg = 0.0;
+    settings
+}
+
+/// Force and moment of the rotors from their places, thrusts and directions of rotation.
+fn wrench(settings: &PlantSettings, command: &ActuatorCommand) -> Effort {
+    let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
+    for (rotor, thrust) in settings.vehicle.rotors.iter().zip(command.rotor_thrust_n) {
+        let [x, y, _] = rotor.position_m;
+        force.z += thrust;
+        // x × z = -y, y × z = x; the air turns a counter-clockwise rotor's frame clockwise.
+        moment += Vector3::new(
+            y * thrust,
+            -x * thrust,
+            -rotor.spin * settings.vehicle.rotor.torque_ratio_m * thrust,
+        );
+    }
+    Effort {
+        force_in_body: force,
+        moment_in_body: moment,
+        joints: DVector::from_column_slice(command.joint_torque_n_m.as_slice()),
+    }
+}
+
+/// Largest distance (m), attitude (deg) and joint (deg) errors so far.
+#[derive(Default)]
+struct Errors {
+    position_m: f64,
+    attitude_deg: f64,
+    joint_deg: f64,
+}
+
+impl Errors {
+    fn add(&mut self, oracle: &Oracle<'_>, state: &State, chi: &Coords) {
+        let position = state.com - state.rotation * oracle.com_in_root;
+        let attitude = UnitQuaternion::from_rotation_matrix(&Rotation3::from_euler_angles(
+            chi[3], chi[4], chi[5],
+        ));
+        let joints = (state.joints[0] - chi[6]).abs().max((state.joints[1] - chi[7]).abs());
+        self.position_m = self.position_m.max((position - chi.fixed_rows::<3>(0)).norm());
+        self.attitude_deg = self.attitude_deg.max(attitude.angle_to(&state.rotation).to_degrees());
+        self.joint_deg = self.joint_deg.max(joints.to_degrees());
+    }
+}
+
+#[test]
+fn a_second_of_open_loop_flight_follows_the_oracle() {
+    let (robot, settings) = (robot(), settings());
+    let mut oracle = Oracle::new(&robot);
+    oracle.armature.fill(settings.vehicle.joint_armature_kg_m2);
+    oracle.damping =
+        DVector::from_iterator(2, oracle.moving.iter().map(|&joint| robot.joints[joint].damping));
+    let joints = Vector2::new(0.4, 0.8);
+    let start =
+        Start { position: Vector3::new(0.0, 0.0, 5.0), joints, grasped: None, inner_steps: 1 };
+    let mut vehicle = SimulatedVehicle::new(robot.clone(), &[], settings.clone(), &start, 1)
+        .expect("it is built");
+    let mut state = State {
+        com: start.position + oracle.com_in_root,
+        rotation: UnitQuaternion::identity(),
+        joints: DVector::from_column_slice(joints.as_slice()),
+        velocity: DVector::zeros(8),
+    };
+    let (setpoint, mut inner) = (any_setpoint(), OpenLoop(0));
+    let (mut errors, mut tilt_deg) = (Errors::default(), 0.0_f64);
+    for tick in 0..100 {
+        vehicle.advance(&setpoint, &mut inner);
+        for k in 10 * tick..10 * (tick + 1) {
+            let effort = wrench(&settings, &command(k));
+            for _ in 0..SUBSTEPS {
+                state = oracle.step(&state, &effort, STEP_S / f64::from(SUBSTEPS));
+            }
+        }
+        errors.add(&oracle, &state, &vehicle.truth().expect("it is simulated").chi);
+        tilt_deg = tilt_deg.max((state.rotation * Vector3::z()).z.acos().to_degrees());
+    }
+    let Errors { position_m, attitude_deg, joint_deg } = errors;
+    let found = format!(
+        "{:.3} mm, {attitude_deg:.4}°, {joint_deg:.4}° at {tilt_deg:.0}°",
+        position_m * 1e3
+    );
+    assert!(tilt_deg > LEAST_TILT_DEG, "{found}");
+    assert!(position_m <= POSITION_TOLERANCE_M, "{found}");
+    assert!(attitude_deg <= ATTITUDE_TOLERANCE_DEG, "{found}");
+    assert!(joint_deg <= JOINT_TOLERANCE_DEG, "{found}");
+}
