@@ -1,4 +1,7 @@
 //! The one test binary.
+#![allow(clippy::unwrap_used, reason = "tests fail by panicking, in their helpers too")]
 
+mod cli;
+mod layers;
 mod plant;
 mod server;

@@ -159,7 +159,12 @@ const ORTHONORMAL_ITERATIONS: usize = 100;
 fn orthonormal(rotation: &Rotation3<f64>) -> Rotation3<f64> {
     let mut guess = UnitQuaternion::from(*rotation);
     guess.renormalize();
-    Rotation3::from_matrix_eps(rotation.matrix(), f64::EPSILON, ORTHONORMAL_ITERATIONS, guess.into())
+    Rotation3::from_matrix_eps(
+        rotation.matrix(),
+        f64::EPSILON,
+        ORTHONORMAL_ITERATIONS,
+        guess.into(),
+    )
 }
 
 /// Coordinates from their three parts.
