@@ -222,7 +222,10 @@ impl Flight {
         } else {
             None
         };
-        self.set_fault(fault);
+        // Whether a fault of the prediction is over shows at the next forecast.
+        if fault.is_some() || self.fault != Some(Fault::NonFinitePrediction) {
+            self.set_fault(fault);
+        }
         if finite {
             self.last_good = Some(measured.clone());
             return measured;
@@ -262,6 +265,9 @@ impl Flight {
         let finite = forecast.base.iter().all(|r| r.iter().all(|x| x.is_finite()))
             && forecast.regime.iter().all(|x| x.is_finite());
         if finite && !forecast.base.is_empty() {
+            if self.fault == Some(Fault::NonFinitePrediction) {
+                self.set_fault(None);
+            }
             return forecast;
         }
         if self.fault.is_none() {

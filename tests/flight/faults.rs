@@ -1,0 +1,228 @@
+//! Broken numbers from the source or the predictor: a fault on the tick, finite commands, and recovery.
+
+use std::sync::{Arc, Mutex};
+
+use twin::flight::{Flight, Parts};
+use twin::notation::{Coords, N};
+use twin::residual::{History, Predictor};
+use twin::source::{Disturbance, InnerLoop, InnerState, Source};
+use twin::tick::{ActuatorCommand, EventKind, Fault, Forecast, Measurement, Setpoint, Tick, Truth};
+
+use super::flown::scenario;
+
+/// Ticks at which the numbers are broken.
+const BROKEN: std::ops::Range<u64> = 150..160;
+
+/// The vehicle holds still within this far, m, although a tenth of a second of its numbers was broken.
+const STRAY_M: f64 = 0.15;
+
+/// Every command that reached the actuators, also between ticks.
+type Commands = Arc<Mutex<Vec<ActuatorCommand>>>;
+
+/// A source that breaks one row of one vector of its measurement for a while, and remembers every command it gets.
+struct Broken {
+    source: Box<dyn Source + Send>,
+    breaks: fn(&mut Measurement),
+    ticks: u64,
+    commands: Commands,
+}
+
+/// Listens to the inner rows.
+struct Listening<'a> {
+    inner: &'a mut dyn InnerLoop,
+    commands: &'a Commands,
+}
+
+impl InnerLoop for Listening<'_> {
+    fn command(&mut self, setpoint: &Setpoint, state: &InnerState) -> ActuatorCommand {
+        let command = self.inner.command(setpoint, state);
+        self.commands.lock().expect("nobody panicked").push(command);
+        command
+    }
+}
+
+impl Source for Broken {
+    fn advance(&mut self, setpoint: &Setpoint, inner: &mut dyn InnerLoop) -> Measurement {
+        let mut listening = Listening { inner, commands: &self.commands };
+        let mut measurement = self.source.advance(setpoint, &mut listening);
+        if BROKEN.contains(&self.ticks) {
+            (self.breaks)(&mut measurement);
+        }
+        self.ticks += 1;
+        measurement
+    }
+
+    fn truth(&self) -> Option<Truth> {
+        self.source.truth()
+    }
+
+    fn disturb(&mut self, disturbance: &Disturbance) {
+        self.source.disturb(disturbance);
+    }
+}
+
+/// A predictor that breaks its forecast for a while.
+struct Dreaming {
+    predictor: Box<dyn Predictor>,
+    breaks: fn(&mut Forecast),
+    ticks: u64,
+}
+
+impl Predictor for Dreaming {
+    fn regime_len(&self) -> usize {
+        self.predictor.regime_len()
+    }
+
+    fn predict(&mut self, history: &History) -> Forecast {
+        let mut forecast = self.predictor.predict(history);
+        if BROKEN.contains(&self.ticks) {
+            (self.breaks)(&mut forecast);
+        }
+        self.ticks += 1;
+        forecast
+    }
+}
+
+fn parts(breaks: fn(&mut Measurement)) -> (Parts, Commands) {
+    let mut parts = scenario("hover", &[]).parts().expect("it builds");
+    let commands = Commands::default();
+    parts.source =
+        Box::new(Broken { source: parts.source, breaks, ticks: 0, commands: commands.clone() });
+    (parts, commands)
+}
+
+fn fly(parts: Parts) -> Vec<Tick> {
+    let mut flight = Flight::new(parts);
+    (0..350).map(|_| flight.tick()).collect()
+}
+
+/// Every number that leaves the loop is finite and the vehicle stays where it is.
+fn check(ticks: &[Tick], commands: &Commands, fault: Fault) {
+    for command in commands.lock().expect("nobody panicked").iter() {
+        let finite =
+            command.rotor_thrust_n.iter().chain(&command.joint_torque_n_m).all(|x| x.is_finite());
+        assert!(finite, "{command:?}");
+    }
+    for tick in ticks {
+        let wanted = BROKEN.contains(&tick.index).then_some(fault);
+        assert_eq!(tick.fault, wanted, "tick {}", tick.index);
+        let numbers = tick
+            .setpoint
+            .force_in_world_n
+            .iter()
+            .chain(&tick.setpoint.r_hat)
+            .chain(&tick.adapted.r_hat);
+        assert!(numbers.chain(&tick.measurement.chi).all(|x| x.is_finite()), "tick {}", tick.index);
+        assert!(
+            tick.adapted.frozen || tick.fault.is_none(),
+            "the adapter learned from tick {}",
+            tick.index
+        );
+    }
+    let told = |range: std::ops::Range<usize>| {
+        ticks[range]
+            .iter()
+            .flat_map(|tick| &tick.events)
+            .filter(|event| event.kind == EventKind::Fault)
+            .count()
+    };
+    assert_eq!(
+        (told(0..150), told(150..160), told(160..350)),
+        (0, 1, 1),
+        "the operator is told of begin and end"
+    );
+    let start =
+        ticks[100].truth.as_ref().expect("it is simulated").chi.fixed_rows::<3>(0).into_owned();
+    for tick in &ticks[100..] {
+        let place =
+            tick.truth.as_ref().expect("it is simulated").chi.fixed_rows::<3>(0).into_owned();
+        assert!(
+            (place - start).norm() < STRAY_M,
+            "tick {}: {:.2} m away",
+            tick.index,
+            (place - start).norm()
+        );
+    }
+}
+
+#[test]
+fn broken_measurements_become_a_fault_and_reach_no_actuator() {
+    let breaks: [fn(&mut Measurement); 5] = [
+        |measurement| measurement.chi[0] = f64::NAN,
+        |measurement| measurement.chi_dot[4] = f64::INFINITY,
+        |measurement| measurement.chi_ddot[7] = f64::NAN,
+        |measurement| measurement.tau_applied[2] = f64::NEG_INFINITY,
+        |measurement| measurement.chi = Coords::repeat(f64::NAN),
+    ];
+    for breaks in breaks {
+        let (parts, commands) = parts(breaks);
+        check(&fly(parts), &commands, Fault::NonFiniteMeasurement);
+    }
+}
+
+#[test]
+fn broken_forecasts_become_a_fault_and_reach_no_actuator() {
+    let breaks: [fn(&mut Forecast); 4] = [
+        |forecast| forecast.base[0][2] = f64::NAN,
+        |forecast| forecast.base.last_mut().expect("a horizon")[0] = f64::INFINITY,
+        |forecast| forecast.regime[3] = f64::NAN,
+        |forecast| forecast.base.clear(),
+    ];
+    for breaks in breaks {
+        let (mut parts, commands) = parts(|_| {});
+        parts.predictor = Box::new(Dreaming { predictor: parts.predictor, breaks, ticks: 0 });
+        check(&fly(parts), &commands, Fault::NonFinitePrediction);
+    }
+}
+
+#[test]
+fn a_source_that_is_broken_from_its_first_tick_gets_finite_commands() {
+    let mut parts = scenario("hover", &[]).parts().expect("it builds");
+    struct Dead;
+    impl Source for Dead {
+        fn advance(&mut self, setpoint: &Setpoint, inner: &mut dyn InnerLoop) -> Measurement {
+            let state = InnerState {
+                eta: nalgebra::Vector3::zeros(),
+                eta_dot: nalgebra::Vector3::zeros(),
+                joint: setpoint.joint_des,
+                joint_dot: nalgebra::Vector2::zeros(),
+            };
+            let command = inner.command(setpoint, &state);
+            assert!(
+                command
+                    .rotor_thrust_n
+                    .iter()
+                    .chain(&command.joint_torque_n_m)
+                    .all(|x| x.is_finite())
+            );
+            Measurement {
+                t_s: 0.0,
+                chi: Coords::repeat(f64::NAN),
+                chi_dot: Coords::repeat(f64::NAN),
+                chi_ddot: Coords::repeat(f64::NAN),
+                tau_applied: Coords::repeat(f64::NAN),
+                gripper: twin::tick::GripperReading::default(),
+                payload: None,
+                saturated: false,
+            }
+        }
+
+        fn truth(&self) -> Option<Truth> {
+            None
+        }
+
+        fn disturb(&mut self, _disturbance: &Disturbance) {}
+    }
+    parts.source = Box::new(Dead);
+    for tick in fly(parts) {
+        assert_eq!(tick.fault, Some(Fault::NonFiniteMeasurement));
+        assert_eq!(tick.measurement.chi.len(), N);
+        assert!(
+            tick.setpoint
+                .r_hat
+                .iter()
+                .chain(&tick.setpoint.force_in_world_n)
+                .all(|x| x.is_finite())
+        );
+    }
+}

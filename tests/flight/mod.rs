@@ -1,0 +1,7 @@
+//! Whole flights: the same seed twice, faults, missions, disturbances.
+
+mod disturbances;
+mod faults;
+mod flown;
+mod missions;
+mod repeatable;
