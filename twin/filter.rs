@@ -100,7 +100,11 @@ mod tests {
             }
             let warped = (PI * f_hz * dt_s).tan() / (PI * corner_hz * dt_s).tan();
             let expected = 1.0 / (1.0 + warped.powi(4)).sqrt();
-            assert!((response.norm() - expected).abs() < AMPLITUDE_TOLERANCE, "{f_hz} Hz: {}", response.norm());
+            assert!(
+                (response.norm() - expected).abs() < AMPLITUDE_TOLERANCE,
+                "{f_hz} Hz: {}",
+                response.norm()
+            );
         }
     }
 

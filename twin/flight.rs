@@ -10,7 +10,8 @@ use crate::residual::{GravityModel, History, Predictor, label, lra::Adapter};
 use crate::source::{Disturbance, Source};
 use crate::task::{Task, View};
 use crate::tick::{
-    ActuatorCommand, Adaptation, Adapted, ControlState, Event, EventKind, Fault, Forecast, Measurement, Reference, Setpoint, Tick,
+    ActuatorCommand, Adaptation, Adapted, ControlState, Event, EventKind, Fault, Forecast,
+    Measurement, Reference, Setpoint, Tick,
 };
 use crate::tuning::Tuning;
 
@@ -74,7 +75,7 @@ pub struct Flight {
     notes: Vec<Event>,
     hash: u64,
     outer: Option<Outer>,
-    /// A release step not yet seen by the outer loop.
+    /// A release not yet seen by the outer loop.
     release: Option<Coords>,
 }
 
@@ -142,11 +143,16 @@ impl Flight {
         let measurement = self.check(measured);
         done(Stage::Source);
         let residual = label::residual(&measurement, &self.parts.tuning.gains.nominal_inertia);
-        let step = self.parts.task.update(&View { measurement: &measurement, residual: &residual }, TICK_S);
-        self.release = step.reference.release_step.or(self.release);
+        let step = self
+            .parts
+            .task
+            .update(&View { measurement: &measurement, residual: &residual }, TICK_S);
+        self.release = step.reference.release.or(self.release);
         done(Stage::Task);
         let outer = match self.outer.take() {
-            Some(outer) if !self.index.is_multiple_of(self.parts.outer_divisor) => outer.held(residual),
+            Some(outer) if !self.index.is_multiple_of(self.parts.outer_divisor) => {
+                outer.held(residual)
+            }
             _ => self.outer(&measurement, residual, &step.reference, done),
         };
         self.outer = Some(outer.clone());
@@ -172,9 +178,9 @@ impl Flight {
         done(Stage::Predict);
         // Lines 5 to 8: adapt.
         let mut reference = *reference;
-        reference.release_step = self.release.take();
-        if let Some(release_step) = &reference.release_step {
-            self.parts.adapter.shift(&forecast.regime, release_step);
+        reference.release = self.release.take();
+        if let Some(known) = &reference.release {
+            self.parts.adapter.move_to(&forecast, known);
         }
         let frozen = reference.adaptation == Adaptation::Held || self.fault.is_some();
         let adapted = self.parts.adapter.step(&forecast, &residual, dt_s, frozen, &tuning.adapter);
@@ -185,6 +191,7 @@ impl Flight {
             measurement,
             reference: &reference,
             r_hat: &r_hat,
+            residual: &residual,
             nominal_gravity: &nominal_gravity,
             desired_attitude: self.parts.rows.desired_attitude(),
             dt_s,
@@ -239,8 +246,12 @@ impl Flight {
     fn set_fault(&mut self, fault: Option<Fault>) {
         if fault != self.fault {
             let text = match fault {
-                Some(Fault::NonFiniteMeasurement) => "a measurement is not finite: the last one is held",
-                Some(Fault::NonFinitePrediction) => "the prediction is not finite: nominal gravity is used",
+                Some(Fault::NonFiniteMeasurement) => {
+                    "a measurement is not finite: the last one is held"
+                }
+                Some(Fault::NonFinitePrediction) => {
+                    "the prediction is not finite: nominal gravity is used"
+                }
                 Some(Fault::PitchBeyondRange) => "pitch is beyond 80 degrees: adaptation is held",
                 None => "fault is over",
             };
@@ -262,14 +273,18 @@ impl Flight {
         if self.fault.is_none() {
             self.set_fault(Some(Fault::NonFinitePrediction));
         }
-        Forecast { base: vec![*nominal_gravity; forecast.base.len().max(1)], regime: vec![0.0; forecast.regime.len()] }
+        Forecast {
+            base: vec![*nominal_gravity; forecast.base.len().max(1)],
+            regime: vec![0.0; forecast.regime.len()],
+        }
     }
 
     /// A set-point reaches the inner rows only if it is finite.
     fn accept(&mut self, setpoint: &Setpoint) {
-        let finite = setpoint.force_in_world_n.iter().chain(setpoint.r_hat.iter()).all(|x| x.is_finite())
-            && setpoint.yaw_des.iter().all(|x| x.is_finite())
-            && setpoint.joint_des.iter().all(|x| x.is_finite());
+        let finite =
+            setpoint.force_in_world_n.iter().chain(setpoint.r_hat.iter()).all(|x| x.is_finite())
+                && setpoint.yaw_des.iter().all(|x| x.is_finite())
+                && setpoint.joint_des.iter().all(|x| x.is_finite());
         if finite {
             self.setpoint = *setpoint;
         }
@@ -281,12 +296,18 @@ impl Flight {
         events.extend(step.events);
         if adapted.reset {
             let text = format!(
-                "covariance reset: mean innovation {:.2} exceeded {:.2}",
+                "covariance reset: mean innovation {:.3} exceeded {:.3}",
                 adapted.innovation_mean_norm, self.parts.tuning.adapter.reset_threshold
             );
             events.push(Event::new(EventKind::Reset, text));
         }
-        for value in measurement.chi.iter().chain(&measurement.chi_dot).chain(&adapted.r_hat).chain(&self.setpoint.r_hat) {
+        for value in measurement
+            .chi
+            .iter()
+            .chain(&measurement.chi_dot)
+            .chain(&adapted.r_hat)
+            .chain(&self.setpoint.r_hat)
+        {
             self.hash = fnv(self.hash, value.to_bits());
         }
         let tick = Tick {
@@ -341,7 +362,11 @@ struct Recording<'a> {
 }
 
 impl crate::source::InnerLoop for Recording<'_> {
-    fn command(&mut self, setpoint: &Setpoint, state: &crate::source::InnerState) -> ActuatorCommand {
+    fn command(
+        &mut self,
+        setpoint: &Setpoint,
+        state: &crate::source::InnerState,
+    ) -> ActuatorCommand {
         self.last = self.rows.command(setpoint, state);
         self.last
     }
@@ -358,11 +383,15 @@ fn fnv(hash: u64, bits: u64) -> u64 {
 fn describe(disturbance: &Disturbance) -> String {
     match disturbance {
         Disturbance::PayloadMass { kg } => format!("payload is now {:.0} g", kg * 1e3),
-        Disturbance::Wind { velocity_m_s: v } => format!("wind is now [{:.1} {:.1} {:.1}] m/s", v[0], v[1], v[2]),
+        Disturbance::Wind { velocity_m_s: v } => {
+            format!("wind is now [{:.1} {:.1} {:.1}] m/s", v[0], v[1], v[2])
+        }
         Disturbance::Push { force_n: f, duration_s } => {
             format!("push of [{:.1} {:.1} {:.1}] N for {duration_s:.2} s", f[0], f[1], f[2])
         }
         Disturbance::DropPayload => "payload dropped".to_owned(),
-        Disturbance::Effect { name, on } => format!("{name} switched {}", if *on { "on" } else { "off" }),
+        Disturbance::Effect { name, on } => {
+            format!("{name} switched {}", if *on { "on" } else { "off" })
+        }
     }
 }

@@ -3,17 +3,17 @@
 //! Units are SI and radians everywhere; frames and symbols are in [`notation`]. Modules stand in reading order; after
 //! [`notation`] and [`tick`], read [`flight`]: it is one tick of the loop, top to bottom.
 
-pub mod notation;
-pub mod tick;
-pub mod source;
-pub mod flight;
-pub mod tuning;
+pub mod control;
 pub mod filter;
+pub mod flight;
+pub mod mirror;
 pub mod model;
+pub mod notation;
 pub mod plant;
 pub mod residual;
-pub mod control;
-pub mod task;
-pub mod mirror;
 pub mod scenario;
 pub mod server;
+pub mod source;
+pub mod task;
+pub mod tick;
+pub mod tuning;

@@ -113,8 +113,8 @@ pub struct Reference {
     pub transporting: bool,
     /// The path runs at its cruise speed: the ticks of `transport_speed_m_s`.
     pub cruising: bool,
-    /// One-time step added to the held `r_hat` when the payload is put down, N and N m.
-    pub release_step: Option<Coords>,
+    /// The payload is put down at this tick and the residual without it is known, N and N m: estimate and adapter jump there.
+    pub release: Option<Coords>,
 }
 
 /// How freely the residual estimate may move.

@@ -71,21 +71,70 @@ type Row = (&'static str, &'static str, &'static str, &'static str, &'static str
 
 const SCALARS: [Row; 10] = [
     ("leak", "Robust term", "ν", "1/s", "leak of the adaptive gain σ̂", 0.1, 20.0, 0.05),
-    ("robust_gain_initial", "Robust term", "σ̂(0)", "", "adaptive gain at the start; a change sets σ̂ now", 0.001, 10.0, 0.01),
+    (
+        "robust_gain_initial",
+        "Robust term",
+        "σ̂(0)",
+        "",
+        "adaptive gain at the start; a change sets σ̂ now",
+        0.001,
+        10.0,
+        0.01,
+    ),
     ("robust_gain_cap", "Robust term", "σ̂ cap", "", "largest adaptive gain", 0.05, 1e6, 0.05),
-    ("boundary_layer", "Robust term", "boundary layer", "", "‖s‖ below which the robust term is linear", 1e-6, 5.0, 0.01),
-    ("residual_bandwidth_hz", "Adapter", "r̂ low-pass", "Hz", "corner of the low-pass on r̂; 50 Hz and more is off", 0.1, 50.0, 0.1),
+    (
+        "boundary_layer",
+        "Robust term",
+        "boundary layer",
+        "",
+        "‖s‖ below which the robust term is linear",
+        1e-6,
+        5.0,
+        0.01,
+    ),
+    (
+        "residual_bandwidth_hz",
+        "Adapter",
+        "r̂ low-pass",
+        "Hz",
+        "corner of the low-pass on r̂; 50 Hz and more is off",
+        0.1,
+        50.0,
+        0.1,
+    ),
     ("forgetting", "Adapter", "λ", "", "forgetting factor of the RLS step", 0.9, 1.0, 0.0005),
     ("reset_scale", "Adapter", "σ₀", "", "covariance after a reset is σ₀ I", 0.001, 100.0, 0.01),
-    ("reset_threshold", "Adapter", "δ", "", "mean innovation at which the covariance is reset", 0.01, 1000.0, 0.01),
-    ("innovation_smoothing", "Adapter", "α", "", "weight of the old value in the mean innovation", 0.0, 0.999, 0.001),
+    (
+        "reset_threshold",
+        "Adapter",
+        "δ",
+        "",
+        "mean innovation at which the covariance is reset",
+        0.01,
+        1000.0,
+        0.01,
+    ),
+    (
+        "innovation_smoothing",
+        "Adapter",
+        "α",
+        "",
+        "weight of the old value in the mean innovation",
+        0.0,
+        0.999,
+        0.001,
+    ),
     ("adapter_on", "Adapter", "LRA", "", "1: adapts, 0: base forecast only", 0.0, 1.0, 1.0),
 ];
 
 impl Tuning {
     /// Every value an operator may change, in the order it is shown.
     pub fn parameters() -> Vec<Parameter> {
-        let rows = |stem: &'static str, group: &'static str, letter: &str, max: f64, help: &'static str| {
+        let rows = |stem: &'static str,
+                    group: &'static str,
+                    letter: &str,
+                    max: f64,
+                    help: &'static str| {
             ROWS.iter()
                 .map(|row| Parameter {
                     name: format!("{stem}.{row}"),
@@ -101,15 +150,17 @@ impl Tuning {
         };
         let mut all = rows("slope", "Φ error slope", "Φ", 20.0, "pull of the error in s = ė + Φe");
         all.extend(rows("damping", "Λ damping", "Λ", 60.0, "force per sliding variable"));
-        all.extend(SCALARS.iter().map(|&(name, group, label, unit, help, min, max, step)| Parameter {
-            name: name.to_owned(),
-            group,
-            label: label.to_owned(),
-            unit,
-            help,
-            min,
-            max,
-            step,
+        all.extend(SCALARS.iter().map(|&(name, group, label, unit, help, min, max, step)| {
+            Parameter {
+                name: name.to_owned(),
+                group,
+                label: label.to_owned(),
+                unit,
+                help,
+                min,
+                max,
+                step,
+            }
         }));
         all
     }
@@ -128,7 +179,10 @@ impl Tuning {
         let parameters = Self::parameters();
         let Some(parameter) = parameters.iter().find(|p| p.name == name) else {
             let allowed = parameters.iter().map(|p| p.name.as_str()).collect::<Vec<_>>().join(", ");
-            return Err(TuningError::UnknownName { name: name.chars().take(64).collect(), allowed });
+            return Err(TuningError::UnknownName {
+                name: name.chars().take(64).collect(),
+                allowed,
+            });
         };
         if !(value.is_finite() && value >= parameter.min && value <= parameter.max) {
             return Err(TuningError::OutOfRange {

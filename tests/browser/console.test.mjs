@@ -63,6 +63,20 @@ test("the page loads, connects and complains about nothing", LIMIT, async () => 
   assert.deepEqual(view.complaints.filter((text) => !/GPU stall|swiftshader/i.test(text)), []);
 });
 
+test("the camera keys choose overview, follow and the close-up of the hand", LIMIT, async () => {
+  const pressed = () => page.locator(".scene-tools [aria-pressed=true]").allInnerTexts();
+  assert.deepEqual(await pressed(), ["Overview", "Hand"]);
+  await page.keyboard.press("v");
+  await page.keyboard.press("h");
+  assert.deepEqual(await pressed(), ["Follow"]);
+  await until(() => page.locator("#hand").isHidden(), SOON, "the close-up is gone");
+  await page.keyboard.press("f");
+  await page.keyboard.press("h");
+  assert.deepEqual(await pressed(), ["Overview", "Hand"]);
+  await until(() => page.locator("#hand").isVisible(), SOON, "the close-up is back");
+  assert.match(await page.locator("#hand").innerText(), /open \d+ mm · grip \d+\.\d N/);
+});
+
 test("the vehicle moves, and is drawn where telemetry says", LIMIT, async () => {
   const base = oracle.hello.scene.base_body;
   const start = (await shown(page)).bodies[base].position;
@@ -161,8 +175,8 @@ test("nothing overlaps and nothing sticks out, from desk to phone", LIMIT, async
     const faults = await page.evaluate(() => {
       const found = [];
       if (document.documentElement.scrollWidth > innerWidth) found.push(`page is ${document.documentElement.scrollWidth} px wide`);
-      const boxes = [...document.querySelectorAll(".topbar button, .topbar select, .topbar dd, .badge:not([hidden])")]
-        .map((node) => ({ name: node.id, ...node.getBoundingClientRect().toJSON() }))
+      const boxes = [...document.querySelectorAll(".topbar button, .topbar select, .topbar dd, .badge:not([hidden]), .scene-tools button, .scene-key, #hand")]
+        .map((node) => ({ name: node.id || node.className, ...node.getBoundingClientRect().toJSON() }))
         .filter(({ width }) => width > 0);
       for (const a of boxes) {
         if (a.right > innerWidth + 0.5) found.push(`${a.name} ends at ${a.right}`);
@@ -180,6 +194,7 @@ test("nothing overlaps and nothing sticks out, from desk to phone", LIMIT, async
 test("pictures for people", LIMIT, async () => {
   const out = path.join(ROOT, "out");
   mkdirSync(out, { recursive: true });
+  await page.evaluate(() => document.activeElement?.blur());
   for (const colorScheme of ["dark", "light"]) {
     await page.emulateMedia({ colorScheme });
     for (const [width, height] of [[1280, 720], [1920, 1080]]) {
@@ -208,7 +223,7 @@ test("a dead server is shown at once, and the page comes back with it", LIMIT, a
   assert.equal(await page.locator("#link-banner").isHidden(), true);
 });
 
-test("reset_demo shows as many reset marks as telemetry has", LIMIT, async () => {
+test("reset_demo shows as many reset marks as telemetry has, and ends in green", LIMIT, async () => {
   const demo = await startTwin("scenarios/reset_demo.toml", await freePort());
   try {
     const witness = await Oracle.connect(demo.url);
@@ -226,6 +241,11 @@ test("reset_demo shows as many reset marks as telemetry has", LIMIT, async () =>
     await other.page.locator('#events [data-tone="warn"]', { hasText: "reset" }).first().waitFor({ timeout: SOON });
     await pause(500);
     await other.page.screenshot({ path: path.join(ROOT, "out", "console-reset.png") });
+    await other.page.keyboard.press("Space");
+    await until(async () => (await shown(other.page)).state.phase === "ended", 60_000, "the flight ends");
+    const verdict = other.page.locator("#verdict");
+    assert.match(await verdict.innerText(), /✓ completed/);
+    assert.equal(await verdict.getAttribute("data-tone"), "good");
     witness.close();
   } finally {
     await demo.stop();

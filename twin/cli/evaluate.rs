@@ -42,21 +42,31 @@ struct TrackingArgs {
 }
 
 const EIGHT: [&str; 8] = [
-    "a_300g_slow", "a_300g_fast", "a_500g_slow", "a_500g_fast", "b_300g_slow", "b_300g_fast", "b_500g_slow", "b_500g_fast",
+    "a_300g_slow",
+    "a_300g_fast",
+    "a_500g_slow",
+    "a_500g_fast",
+    "b_300g_slow",
+    "b_300g_fast",
+    "b_500g_slow",
+    "b_500g_fast",
 ];
 
-pub(super) fn run(args: &EvaluateArgs) -> anyhow::Result<End> {
+pub(super) fn run(args: &EvaluateArgs) -> End {
     match &args.table {
         Table::Tracking(args) => tracking(args),
     }
 }
 
-fn tracking(args: &TrackingArgs) -> anyhow::Result<End> {
+fn tracking(args: &TrackingArgs) -> End {
     let jobs = jobs(args);
-    let threads = args.jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
+    let threads =
+        args.jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
     let bar = ProgressBar::new(jobs.len() as u64).with_style(
-        ProgressStyle::with_template("{elapsed_precise} [{wide_bar}] {pos}/{len} flights, {eta} left  {msg}")
-            .unwrap_or_else(|_| ProgressStyle::default_bar()),
+        ProgressStyle::with_template(
+            "{elapsed_precise} [{wide_bar}] {pos}/{len} flights, {eta} left  {msg}",
+        )
+        .unwrap_or_else(|_| ProgressStyle::default_bar()),
     );
     let outcomes = fly_all(&jobs, threads, &|outcome| {
         bar.inc(1);
@@ -71,8 +81,9 @@ fn tracking(args: &TrackingArgs) -> anyhow::Result<End> {
     } else {
         print_table(&lines);
     }
-    let all = outcomes.iter().all(|o| o.result.as_ref().is_ok_and(|r| r.verdict == Verdict::Completed));
-    Ok(if all { End::Passed } else { End::Failed })
+    let all =
+        outcomes.iter().all(|o| o.result.as_ref().is_ok_and(|r| r.verdict == Verdict::Completed));
+    if all { End::Passed } else { End::Failed }
 }
 
 fn jobs(args: &TrackingArgs) -> Vec<Job> {
@@ -98,7 +109,10 @@ fn jobs(args: &TrackingArgs) -> Vec<Job> {
 fn trouble(outcome: &Outcome) -> Option<String> {
     match &outcome.result {
         Ok(report) if report.verdict == Verdict::Completed => None,
-        Ok(r) => Some(format!("{} {} seed {}: {:?}: {}", outcome.row, r.scenario, r.seed, r.verdict, r.reason)),
+        Ok(r) => Some(format!(
+            "{} {} seed {}: {:?}: {}",
+            outcome.row, r.scenario, r.seed, r.verdict, r.reason
+        )),
         Err(error) => Some(format!("{}: {error}", outcome.row)),
     }
 }
@@ -106,12 +120,22 @@ fn trouble(outcome: &Outcome) -> Option<String> {
 fn print_table(lines: &[Line]) {
     println!(
         "{:7} {:12} {:>5}  {:>7} {:>9} {:>6}  {:>17}  {:>13}  {:>13}  {:>11}  {:>11}  others",
-        "preset", "scenario", "done", "e8", "e8 transp", "paper", "speed m/s min..max", "place mm med/max",
-        "slip mm med/max", "time s med", "retries max"
+        "preset",
+        "scenario",
+        "done",
+        "e8",
+        "e8 transp",
+        "paper",
+        "speed m/s min..max",
+        "place mm med/max",
+        "slip mm med/max",
+        "time s med",
+        "retries max"
     );
     for line in lines {
         let v = |name: &str| line.values.get(name).copied().unwrap_or(f64::NAN);
-        let others: Vec<String> = line.other_verdicts.iter().map(|(k, n)| format!("{n} {k}")).collect();
+        let others: Vec<String> =
+            line.other_verdicts.iter().map(|(k, n)| format!("{n} {k}")).collect();
         println!(
             "{:7} {:12} {:>2}/{:<2}  {:7.3} {:9.3} {:>6}  {:8.3} ..{:7.3}  {:7.1} / {:5.1}  {:7.2} / {:5.2}  {:11.1}  {:11.0}  {}",
             line.row,
@@ -133,7 +157,8 @@ fn print_table(lines: &[Line]) {
         );
     }
     for preset in lines.iter().map(|l| &l.row).collect::<std::collections::BTreeSet<_>>() {
-        let of = |f: fn(&Line) -> usize| lines.iter().filter(|l| &l.row == preset).map(f).sum::<usize>();
+        let of =
+            |f: fn(&Line) -> usize| lines.iter().filter(|l| &l.row == preset).map(f).sum::<usize>();
         println!("{preset}: completed {} of {}", of(|l| l.completed), of(|l| l.flights));
     }
 }

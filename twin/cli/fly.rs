@@ -13,7 +13,7 @@ use super::{End, Overrides, default_scenario};
 
 #[derive(Args, Clone)]
 pub(super) struct FlyArgs {
-    /// Scenario file [default: scenarios/a_300g_slow.toml].
+    /// Scenario file [default: `scenarios/a_300g_slow.toml`].
     scenario: Option<PathBuf>,
     /// No server: fly as fast as the machine can, print the verdict, exit 0 if it is the expected one.
     #[arg(long)]
@@ -59,6 +59,12 @@ fn parse_speed(text: &str) -> Result<Speed, String> {
 
 pub(super) fn run(args: &FlyArgs) -> anyhow::Result<End> {
     let file = args.scenario.clone().unwrap_or_else(default_scenario);
+    if args.scenario.is_none() && !file.exists() {
+        anyhow::bail!(
+            "no scenario named and {} is not here; name a scenario file, or run twin in the folder of its repository",
+            file.display()
+        );
+    }
     let mut overrides = args.overrides.set.clone();
     overrides.extend(args.seed.map(|seed| format!("seed={seed}")));
     let scenario = Scenario::load(&file, &overrides)?;
@@ -79,7 +85,10 @@ pub(super) fn run(args: &FlyArgs) -> anyhow::Result<End> {
 
 /// Usable scenarios beside `file`, by name: what a restart may choose from.
 fn catalogue(file: &Path, overrides: &[String]) -> Vec<Scenario> {
-    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."));
+    let folder = file
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty())
+        .unwrap_or_else(|| Path::new("."));
     let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
     let mut files: Vec<PathBuf> = entries
         .filter_map(|entry| entry.ok().map(|entry| entry.path()))
@@ -92,7 +101,10 @@ fn catalogue(file: &Path, overrides: &[String]) -> Vec<Scenario> {
 
 /// Flies to the end; events on stderr as they happen, the verdict on stdout.
 fn headless(scenario: &Scenario, args: &FlyArgs) -> anyhow::Result<End> {
-    #[allow(clippy::disallowed_methods, reason = "the real-time factor needs a clock; the flight does not see it")]
+    #[allow(
+        clippy::disallowed_methods,
+        reason = "the real-time factor needs a clock; the flight does not see it"
+    )]
     let started = std::time::Instant::now();
     let mut recorder = match &args.record {
         Some(path) => Some(Recorder::create(path, &scenario.recording_info(&scenario.tuning()?)?)?),
@@ -116,7 +128,11 @@ fn headless(scenario: &Scenario, args: &FlyArgs) -> anyhow::Result<End> {
     if let Some(recorder) = recorder {
         let end = RecordingEnd {
             state_hash: u64::from_str_radix(&report.state_hash, 16)?,
-            verdict: serde_json::to_string(&(report.verdict, &report.reason))?,
+            verdict: format!(
+                "{}: {}",
+                serde_json::to_value(report.verdict)?.as_str().unwrap_or_default(),
+                report.reason
+            ),
         };
         let written = recorder.finish(end)?;
         eprintln!("{} ticks recorded", written.ticks);
@@ -133,7 +149,10 @@ fn headless(scenario: &Scenario, args: &FlyArgs) -> anyhow::Result<End> {
 fn print_report(report: &Report) {
     let factor = report.real_time_factor.unwrap_or(0.0);
     println!("{} (seed {}): {:?}: {}", report.scenario, report.seed, report.verdict, report.reason);
-    println!("  {:.1} s flown, {factor:.1} x real time, state hash {}", report.flight_s, report.state_hash);
+    println!(
+        "  {:.1} s flown, {factor:.1} x real time, state hash {}",
+        report.flight_s, report.state_hash
+    );
     for (name, value) in &report.metrics {
         println!("  {name:28} {value:10.4}");
     }

@@ -1,8 +1,8 @@
 //! Commands and their flags.
 
+mod check;
 mod evaluate;
 mod fly;
-mod check;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -62,8 +62,8 @@ pub(crate) fn main() -> ExitCode {
     let result = match cli.command {
         Some(Command::Fly(args)) => fly::run(&args),
         None => fly::run(&cli.fly),
-        Some(Command::Evaluate(args)) => evaluate::run(&args),
-        Some(Command::Check(args)) => check::run(&args),
+        Some(Command::Evaluate(args)) => Ok(evaluate::run(&args)),
+        Some(Command::Check(args)) => Ok(check::run(&args)),
     };
     match result {
         Ok(End::Passed) => ExitCode::SUCCESS,

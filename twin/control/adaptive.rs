@@ -33,7 +33,8 @@ impl Adaptive {
         let sigma_hat = self.robust_gain.unwrap_or(gains.robust_gain_initial);
         let leak = (-gains.leak * dt_s).exp();
         let next = sigma_hat * leak + sliding_norm * (1.0 - leak) / gains.leak;
-        let next = if next.is_finite() { next.clamp(0.0, gains.robust_gain_cap) } else { sigma_hat };
+        let next =
+            if next.is_finite() { next.clamp(0.0, gains.robust_gain_cap) } else { sigma_hat };
         self.robust_gain = Some(next);
         next
     }
@@ -41,21 +42,29 @@ impl Adaptive {
 
 impl Controller for Adaptive {
     fn control(&mut self, input: &Input<'_>, gains: &Gains) -> (Setpoint, ControlState) {
-        let (m, reference) = (input.measurement, input.reference);
+        let reference = input.reference;
         let (e, e_dot) = errors(input);
         let s = e_dot + gains.slope.component_mul(&e); // eq:sliding_var
         let sliding_norm = s.norm();
         let sigma_hat = self.update_robust_gain(sliding_norm, gains, input.dt_s);
-        let r_hat = self.compensation.step(input.r_hat, input.nominal_gravity, reference, gains, input.dt_s);
+        let r_hat = self.compensation.step(
+            input.r_hat,
+            input.residual,
+            input.nominal_gravity,
+            reference,
+            gains,
+            input.dt_s,
+        );
         // eq:control_input, rows x y z; the other rows run at 500 Hz in `rows`.
-        let tau = gains.nominal_inertia.component_mul(&(reference.chi_des_ddot - gains.slope.component_mul(&e_dot)))
+        let tau = gains
+            .nominal_inertia
+            .component_mul(&(reference.chi_des_ddot - gains.slope.component_mul(&e_dot)))
             - gains.damping.component_mul(&s)
             + r_hat
             - s * (sigma_hat / sliding_norm.max(gains.boundary_layer).max(f64::MIN_POSITIVE));
         let weight_n = input.nominal_gravity[2].max(f64::MIN_POSITIVE);
         let force = if gains.clips { clip_force(position(&tau), weight_n) } else { position(&tau) };
         let setpoint = setpoint(force, input, r_hat, gains, (sliding_norm, sigma_hat));
-        debug_assert!(m.t_s.is_finite());
         (setpoint, ControlState { error: e, sliding: s, robust_gain: sigma_hat })
     }
 }
@@ -94,7 +103,11 @@ pub(super) fn setpoint(
     let yaw = |c: &Coords| attitude(c).z;
     Setpoint {
         force_in_world_n,
-        yaw_des: [yaw(&reference.chi_des), yaw(&reference.chi_des_dot), yaw(&reference.chi_des_ddot)],
+        yaw_des: [
+            yaw(&reference.chi_des),
+            yaw(&reference.chi_des_dot),
+            yaw(&reference.chi_des_ddot),
+        ],
         joint_des: joints(&reference.chi_des),
         joint_des_dot: joints(&reference.chi_des_dot),
         joint_des_ddot: joints(&reference.chi_des_ddot),

@@ -40,8 +40,8 @@ impl CommandFilter {
     pub fn step(&mut self, (roll, pitch): (f64, f64), yaw_des: [f64; 3], dt_s: f64) {
         let w = COMMAND_FILTER_RAD_S;
         for (axis, target) in [(0, roll), (1, pitch)] {
-            self.eta_ddot[axis] =
-                w * w * (target - self.eta[axis]) - 2.0 * COMMAND_FILTER_ZETA * w * self.eta_dot[axis];
+            self.eta_ddot[axis] = w * w * (target - self.eta[axis])
+                - 2.0 * COMMAND_FILTER_ZETA * w * self.eta_dot[axis];
             self.eta_dot[axis] += self.eta_ddot[axis] * dt_s;
             self.eta[axis] += self.eta_dot[axis] * dt_s;
         }

@@ -1,5 +1,8 @@
 //! What happens to `r_hat` between the adapter and the control law: window or hold in contact, clips, low-pass.
 //!
+//! While the translation rows are held the adapter learns nothing, so attitude and joint rows follow the measured residual (time-delay
+//! control): held too, they leave a tilt that pushes the opened hand into the cube.
+//!
 //! State: the low-pass, and the value at which a window or a hold began.
 
 use crate::filter::LowPass;
@@ -27,22 +30,26 @@ impl Compensation {
     pub fn step(
         &mut self,
         r_hat: &Coords,
+        residual: &Coords,
         nominal_gravity: &Coords,
         reference: &Reference,
         gains: &Gains,
         dt_s: f64,
     ) -> Coords {
-        let input = match reference.adaptation {
-            Adaptation::Free => {
+        let input = match (reference.adaptation, reference.release) {
+            (_, Some(known)) => hold_translation(self.centre.insert(known), residual),
+            (Adaptation::Free, None) => {
                 self.centre = None;
                 *r_hat
             }
-            Adaptation::Bounded => {
+            (Adaptation::Bounded, None) => {
                 let centre = *self.centre.get_or_insert(self.output);
                 let window = Coords::from(WINDOW);
                 r_hat.zip_zip_map(&(centre - window), &(centre + window), f64::clamp)
             }
-            Adaptation::Held => *self.centre.insert(self.centre_of_hold(reference)),
+            (Adaptation::Held, None) => {
+                hold_translation(self.centre.get_or_insert(self.output), residual)
+            }
         };
         let input = if gains.clips {
             let clip = Coords::from(CLIP);
@@ -53,19 +60,20 @@ impl Compensation {
         self.output = if gains.residual_bandwidth_hz >= 50.0 {
             self.low_pass.reset();
             input
-        } else if let Some(step) = reference.release_step {
-            // A known jump passes the low-pass at once.
-            self.low_pass.jump(&(self.output + step));
-            self.output + step
         } else {
+            if let Some(known) = &reference.release {
+                // A known jump passes the low-pass at once.
+                self.low_pass.jump(&hold_translation(known, &self.output));
+            }
             self.low_pass.step(&input, gains.residual_bandwidth_hz, dt_s)
         };
         self.output
     }
+}
 
-    fn centre_of_hold(&self, reference: &Reference) -> Coords {
-        self.centre.unwrap_or(self.output) + reference.release_step.unwrap_or_else(Coords::zeros)
-    }
+/// Translation rows of `held`, all others of `live`.
+fn hold_translation(held: &Coords, live: &Coords) -> Coords {
+    Coords::from_fn(|row, _| if row < 3 { held[row] } else { live[row] })
 }
 
 #[cfg(test)]
@@ -85,31 +93,56 @@ mod tests {
             follows_measurement: false,
             transporting: false,
             cruising: false,
-            release_step: None,
+            release: None,
         }
     }
 
     #[test]
-    fn held_compensation_ignores_the_adapter_and_takes_a_known_step() {
+    fn held_translation_ignores_adapter_and_measurement_and_takes_a_known_jump() {
         let gains = Gains::preset(Preset::Tuned);
         let gravity = Coords::zeros();
+        let (live, wild) = (Coords::repeat(0.4), Coords::repeat(0.1));
         let mut c = Compensation::default();
-        let before = c.step(&Coords::repeat(0.5), &gravity, &reference(Adaptation::Free), &gains, 0.01);
-        let held = c.step(&Coords::repeat(0.1), &gravity, &reference(Adaptation::Held), &gains, 0.01);
-        assert_eq!(before, held);
-        let step = Reference { release_step: Some(Coords::repeat(-0.2)), ..reference(Adaptation::Held) };
-        let released = c.step(&Coords::repeat(0.5), &gravity, &step, &gains, 0.01);
-        assert!((released - Coords::repeat(0.3)).norm() < 1e-12, "{released}");
-        let after = c.step(&Coords::repeat(0.5), &gravity, &reference(Adaptation::Held), &gains, 0.01);
-        assert!((after - Coords::repeat(0.3)).norm() < 1e-12, "{after}");
+        let before = c.step(
+            &Coords::repeat(0.5),
+            &live,
+            &gravity,
+            &reference(Adaptation::Free),
+            &gains,
+            0.01,
+        );
+        let held = c.step(&wild, &live, &gravity, &reference(Adaptation::Held), &gains, 0.01);
+        assert_eq!(before.fixed_rows::<3>(0), held.fixed_rows::<3>(0));
+        assert!(
+            held[4] < before[4] && held[4] > live[4],
+            "attitude rows follow the measured residual"
+        );
+        let jump = Reference { release: Some(Coords::repeat(0.3)), ..reference(Adaptation::Held) };
+        for reference in [jump, reference(Adaptation::Held)] {
+            let released = c.step(&wild, &live, &gravity, &reference, &gains, 0.01);
+            assert!(
+                (released.fixed_rows::<3>(0) - Coords::repeat(0.3).fixed_rows::<3>(0)).norm()
+                    < 1e-12
+            );
+        }
     }
 
     #[test]
     fn bounded_compensation_stays_in_its_window() {
-        let gains = Gains { clips: false, residual_bandwidth_hz: 50.0, ..Gains::preset(Preset::Tuned) };
+        let gains =
+            Gains { clips: false, residual_bandwidth_hz: 50.0, ..Gains::preset(Preset::Tuned) };
         let mut c = Compensation::default();
-        c.step(&Coords::zeros(), &Coords::zeros(), &reference(Adaptation::Free), &gains, 0.01);
-        let out = c.step(&Coords::repeat(100.0), &Coords::zeros(), &reference(Adaptation::Bounded), &gains, 0.01);
+        c.step(
+            &Coords::zeros(),
+            &Coords::zeros(),
+            &Coords::zeros(),
+            &reference(Adaptation::Free),
+            &gains,
+            0.01,
+        );
+        let far = Coords::repeat(100.0);
+        let out =
+            c.step(&far, &far, &Coords::zeros(), &reference(Adaptation::Bounded), &gains, 0.01);
         assert_eq!(out, Coords::from(WINDOW));
     }
 }

@@ -61,8 +61,13 @@ impl Gains {
             clips: false,
             inner_law: InnerLaw::Rows,
         };
-        let paper =
-            Self { robust_gain_cap: 2.0, boundary_layer: 0.1, residual_bandwidth_hz: 5.0, clips: true, ..literal };
+        let paper = Self {
+            robust_gain_cap: 2.0,
+            boundary_layer: 0.1,
+            residual_bandwidth_hz: 5.0,
+            clips: true,
+            ..literal
+        };
         match preset {
             Preset::Literal => literal,
             Preset::Paper => paper,

@@ -1,13 +1,13 @@
 //! What makes `tau`: total functions that cannot fail. An outer law makes a [`Setpoint`] at 100 Hz, the inner rows turn it
 //! into rotor thrusts and joint torques at 500 Hz.
 
-pub mod gains;
 pub mod adaptive;
+pub mod allocation;
+pub mod attitude;
 pub mod compensation;
+pub mod gains;
 pub mod pid;
 pub mod rows;
-pub mod attitude;
-pub mod allocation;
 
 use nalgebra::Vector3;
 
@@ -28,6 +28,8 @@ pub struct Input<'a> {
     pub reference: &'a Reference,
     /// Adapted residual estimate, N and N m; finite.
     pub r_hat: &'a Coords,
+    /// Measured residual of this tick, N and N m; finite.
+    pub residual: &'a Coords,
     /// Gravity force of the vehicle without payload, N and N m.
     pub nominal_gravity: &'a Coords,
     /// Desired attitude and its rate from the command filter of the inner rows, rad and rad/s.

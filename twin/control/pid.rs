@@ -32,7 +32,8 @@ pub struct Pid {
 impl Controller for Pid {
     fn control(&mut self, input: &Input<'_>, gains: &Gains) -> (Setpoint, ControlState) {
         let (e, e_dot) = errors(input);
-        let rate = Coords::from([I[0], I[1], I[2], ATTITUDE_I, ATTITUDE_I, ATTITUDE_I, JOINT_I, JOINT_I]);
+        let rate =
+            Coords::from([I[0], I[1], I[2], ATTITUDE_I, ATTITUDE_I, ATTITUDE_I, JOINT_I, JOINT_I]);
         let mass_kg = input.nominal_gravity[2] / GRAVITY_M_S2;
         for row in 0..8 {
             let scale = if row < 3 { mass_kg } else { 1.0 };
@@ -41,7 +42,8 @@ impl Controller for Pid {
         }
         let mut force = position(&self.integral) + position(input.nominal_gravity);
         for axis in 0..3 {
-            let acceleration = input.reference.chi_des_ddot[axis] - P[axis] * e[axis] - D[axis] * e_dot[axis];
+            let acceleration =
+                input.reference.chi_des_ddot[axis] - P[axis] * e[axis] - D[axis] * e_dot[axis];
             force[axis] += mass_kg * acceleration;
         }
         // Attitude and joints: integral terms ride where the residual rides in the adaptive law.
@@ -60,4 +62,3 @@ impl Controller for Pid {
         (setpoint, ControlState { error: e, sliding: Coords::zeros(), robust_gain: 0.0 })
     }
 }
-

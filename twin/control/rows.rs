@@ -32,7 +32,13 @@ impl Rows {
         joint_torque_limit_n_m: Vector2<f64>,
         dt_s: f64,
     ) -> Self {
-        Self { filter: CommandFilter::default(), allocation, attitude_inertia, joint_torque_limit_n_m, dt_s }
+        Self {
+            filter: CommandFilter::default(),
+            allocation,
+            attitude_inertia,
+            joint_torque_limit_n_m,
+            dt_s,
+        }
     }
 
     /// Desired attitude and its rate, rad and rad/s.
@@ -41,23 +47,35 @@ impl Rows {
     }
 
     /// `eq:control_input`, rows phi theta psi.
-    fn attitude_rows(&self, setpoint: &Setpoint, e: &Vector3<f64>, e_dot: &Vector3<f64>) -> Vector3<f64> {
+    fn attitude_rows(
+        &self,
+        setpoint: &Setpoint,
+        e: &Vector3<f64>,
+        e_dot: &Vector3<f64>,
+    ) -> Vector3<f64> {
         let rows = &setpoint.rows;
         let robust = robust_factor(setpoint);
         Vector3::from_fn(|axis, _| {
             let i = 3 + axis;
             let s = e_dot[axis] + rows.slope[i] * e[axis];
-            rows.nominal_inertia[i] * (self.filter.eta_ddot[axis] - rows.slope[i] * e_dot[axis]) - rows.damping[i] * s
+            rows.nominal_inertia[i] * (self.filter.eta_ddot[axis] - rows.slope[i] * e_dot[axis])
+                - rows.damping[i] * s
                 + setpoint.r_hat[i]
                 - robust * s
         })
     }
 
     /// Rate set-point from the attitude error, then a proportional rate loop with the residual as feed-forward.
-    fn rate_loop(&self, setpoint: &Setpoint, e: &Vector3<f64>, e_dot: &Vector3<f64>) -> Vector3<f64> {
+    fn rate_loop(
+        &self,
+        setpoint: &Setpoint,
+        e: &Vector3<f64>,
+        e_dot: &Vector3<f64>,
+    ) -> Vector3<f64> {
         Vector3::from_fn(|axis, _| {
             let rate_error = -RATE_LOOP_P * e[axis] - e_dot[axis];
-            self.attitude_inertia[axis] * (RATE_LOOP_RAD_S * rate_error + self.filter.eta_ddot[axis])
+            self.attitude_inertia[axis]
+                * (RATE_LOOP_RAD_S * rate_error + self.filter.eta_ddot[axis])
                 + setpoint.r_hat[3 + axis]
         })
     }
@@ -71,7 +89,8 @@ impl Rows {
             let e = state.joint[joint] - setpoint.joint_des[joint];
             let e_dot = state.joint_dot[joint] - setpoint.joint_des_dot[joint];
             let s = e_dot + rows.slope[i] * e;
-            let torque = rows.nominal_inertia[i] * (setpoint.joint_des_ddot[joint] - rows.slope[i] * e_dot)
+            let torque = rows.nominal_inertia[i]
+                * (setpoint.joint_des_ddot[joint] - rows.slope[i] * e_dot)
                 - rows.damping[i] * s
                 + setpoint.r_hat[i]
                 - robust * s;
@@ -83,7 +102,8 @@ impl Rows {
 
 /// `sigma_hat / max(|s|, boundary layer)`: multiplied by `s` it is the robust term.
 fn robust_factor(setpoint: &Setpoint) -> f64 {
-    setpoint.robust_gain / setpoint.sliding_norm.max(setpoint.rows.boundary_layer).max(f64::MIN_POSITIVE)
+    setpoint.robust_gain
+        / setpoint.sliding_norm.max(setpoint.rows.boundary_layer).max(f64::MIN_POSITIVE)
 }
 
 impl InnerLoop for Rows {
@@ -105,6 +125,10 @@ impl InnerLoop for Rows {
             .unwrap_or_else(Vector3::zeros);
         let thrust = setpoint.force_in_world_n.dot(&(world_from_body(&state.eta) * Vector3::z()));
         let (rotor_thrust_n, saturated) = self.allocation.allocate(thrust.max(0.0), &moment);
-        ActuatorCommand { rotor_thrust_n, joint_torque_n_m: self.joint_rows(setpoint, state), saturated }
+        ActuatorCommand {
+            rotor_thrust_n,
+            joint_torque_n_m: self.joint_rows(setpoint, state),
+            saturated,
+        }
     }
 }

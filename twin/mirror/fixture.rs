@@ -140,7 +140,7 @@ pub(crate) fn tick(index: u64) -> Tick {
             follows_measurement: false,
             transporting: true,
             cruising: false,
-            release_step: None,
+            release: None,
         },
         residual: coords(index, 30),
         forecast: Forecast {

@@ -134,7 +134,7 @@ fn numbers() {
         "3 finite numbers",
     );
     refused(
-        "rgba=\"0.09 0.10 0.11 1\"",
+        "rgba=\"0.24 0.26 0.28 1\"",
         "rgba=\"9 10 11 255\"",
         "<color rgba=\"9",
         "each in 0..=1",

@@ -71,7 +71,12 @@ impl Aero {
     }
 
     /// Thrust of each rotor near surfaces: `T / (1 - (R / 4h)^2)` (Cheeseman and Bennett 1955), h over what is below it.
-    pub(super) fn thrust_near_surfaces(&self, rotors: &Rotors, flow: &Flow, arena: &Arena) -> PerRotor {
+    pub(super) fn thrust_near_surfaces(
+        &self,
+        rotors: &Rotors,
+        flow: &Flow,
+        arena: &Arena,
+    ) -> PerRotor {
         let mut thrust_n = rotors.thrust_n;
         if self.settings.ground_effect {
             for (place, n) in rotors.places.iter().zip(&mut thrust_n) {
@@ -108,7 +113,8 @@ impl Aero {
         let collective: f64 = thrust_n.iter().sum();
         let mut force = Vector3::zeros();
         if s.rotor_drag {
-            force -= Vector3::from(s.rotor_drag_n_s_m).component_mul(&air) * (collective / DRAG_REFERENCE_N);
+            force -= Vector3::from(s.rotor_drag_n_s_m).component_mul(&air)
+                * (collective / DRAG_REFERENCE_N);
         }
         if s.body_drag {
             force -= air * (s.body_drag_n_s2_m2 * air.norm());
@@ -126,7 +132,12 @@ impl Aero {
     }
 
     /// Wake velocity at a point in the world, m/s; zero above the rotors.
-    pub(super) fn wake_at(&self, point: &Vector3<f64>, flow: &Flow, rotors: &Rotors) -> Vector3<f64> {
+    pub(super) fn wake_at(
+        &self,
+        point: &Vector3<f64>,
+        flow: &Flow,
+        rotors: &Rotors,
+    ) -> Vector3<f64> {
         if !self.settings.downwash {
             return Vector3::zeros();
         }

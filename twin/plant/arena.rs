@@ -45,7 +45,11 @@ impl Arena {
             .translation(Vector::new(0.0, 0.0, -0.5))
             .friction(settings.friction);
         this.fixed.push(world.colliders.insert(floor));
-        this.surfaces.push(Surface { low: [-FLOOR_HALF_M; 2], high: [FLOOR_HALF_M; 2], height_m: 0.0 });
+        this.surfaces.push(Surface {
+            low: [-FLOOR_HALF_M; 2],
+            high: [FLOOR_HALF_M; 2],
+            height_m: 0.0,
+        });
         for (object, robot) in settings.objects.iter().zip(objects) {
             this.add_object(world, robot, &Vector3::from(object.position_m), settings.friction)?;
         }
@@ -81,13 +85,19 @@ impl Arena {
         Ok(())
     }
 
-    fn add_payload(&mut self, world: &mut PhysicsWorld, payload: &PayloadSettings, pose: &Isometry3<f64>) {
+    fn add_payload(
+        &mut self,
+        world: &mut PhysicsWorld,
+        payload: &PayloadSettings,
+        pose: &Isometry3<f64>,
+    ) {
         let half = 0.5 * payload.size_m;
         let body = RigidBodyBuilder::dynamic()
             .pose(to_pose(pose))
             .additional_mass_properties(cube_mass(payload.mass_kg, payload.size_m))
             .can_sleep(false);
-        let cube = ColliderBuilder::cuboid(half, half, half).density(0.0).friction(payload.friction);
+        let cube =
+            ColliderBuilder::cuboid(half, half, half).density(0.0).friction(payload.friction);
         let (body, cube) = world.insert(body, cube);
         (self.payload, self.payload_collider) = (Some(body), Some(cube));
     }
@@ -102,7 +112,10 @@ impl Arena {
     /// Height of the highest surface below `point`, m.
     pub(super) fn height_below(&self, point: &Vector3<f64>) -> f64 {
         let over = |s: &&Surface| {
-            point.x >= s.low[0] && point.x <= s.high[0] && point.y >= s.low[1] && point.y <= s.high[1]
+            point.x >= s.low[0]
+                && point.x <= s.high[0]
+                && point.y >= s.low[1]
+                && point.y <= s.high[1]
         };
         self.surfaces
             .iter()

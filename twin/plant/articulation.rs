@@ -92,7 +92,10 @@ impl Articulation {
         }
         let lump = |links: &[usize]| lumped_inertial(robot, links, &link_places);
         let root_com = Isometry3::translation(0.0, 0.0, 0.0)
-            * Isometry3::from_parts((-lump(&groups[0]).com_in_link).into(), nalgebra::UnitQuaternion::identity());
+            * Isometry3::from_parts(
+                (-lump(&groups[0]).com_in_link).into(),
+                nalgebra::UnitQuaternion::identity(),
+            );
         for link in &groups[0] {
             link_places[*link].1 = root_com * link_places[*link].1;
         }
@@ -104,7 +107,12 @@ impl Articulation {
                 links,
             })
             .collect();
-        Self { bodies, dofs: Vec::new(), link_places, colliders: vec![Vec::new(); robot.links.len()] }
+        Self {
+            bodies,
+            dofs: Vec::new(),
+            link_places,
+            colliders: vec![Vec::new(); robot.links.len()],
+        }
     }
 
     fn insert_bodies(
@@ -113,7 +121,8 @@ impl Articulation {
         robot: &Robot,
         world_from_root: &Isometry3<f64>,
     ) {
-        let poses = crate::model::link_poses(robot, world_from_root, &vec![0.0; robot.joints.len()]);
+        let poses =
+            crate::model::link_poses(robot, world_from_root, &vec![0.0; robot.joints.len()]);
         for body in &mut self.bodies {
             let link = body.links[0];
             let world_from_body = poses[link] * self.link_places[link].1.inverse();
@@ -133,7 +142,8 @@ impl Articulation {
             let (parent, parent_place) = self.link_places[joint.parent];
             let child = self.link_places[joint.child].0;
             let prismatic = joint.kind == JointKind::Prismatic;
-            let basis = Pose::from_rotation(GenericJoint::complete_ang_frame(to_vector(&joint.axis)));
+            let basis =
+                Pose::from_rotation(GenericJoint::complete_ang_frame(to_vector(&joint.axis)));
             let frame_in_parent = to_pose(&(parent_place * joint.origin)) * basis;
             let (mask, axis) = if prismatic {
                 (JointAxesMask::LOCKED_PRISMATIC_AXES, JointAxis::LinX)
@@ -148,20 +158,29 @@ impl Articulation {
                 data = data.limits(axis, [joint.lower, joint.upper]);
             }
             let handle = world
-                .insert_multibody_joint(self.bodies[parent].handle, self.bodies[child].handle, data.build())
+                .insert_multibody_joint(
+                    self.bodies[parent].handle,
+                    self.bodies[child].handle,
+                    data.build(),
+                )
                 .ok_or_else(|| PlantError::Loop { joint: joint.name.clone() })?;
             self.dofs.push(Dof { joint: index, parent, child, handle, prismatic, frame_in_parent });
         }
         Ok(())
     }
 
-    fn insert_colliders(&mut self, world: &mut PhysicsWorld, robot: &Robot) -> Result<(), PlantError> {
+    fn insert_colliders(
+        &mut self,
+        world: &mut PhysicsWorld,
+        robot: &Robot,
+    ) -> Result<(), PlantError> {
         for (index, link) in robot.links.iter().enumerate() {
             let (body, place) = self.link_places[index];
             for geometry in &link.collisions {
                 let collider = collider(geometry, &place, &link.name)?.density(0.0);
                 let PhysicsWorld { colliders, bodies, .. } = world;
-                let handle = colliders.insert_with_parent(collider, self.bodies[body].handle, bodies);
+                let handle =
+                    colliders.insert_with_parent(collider, self.bodies[body].handle, bodies);
                 self.colliders[index].push(handle);
             }
         }
@@ -175,11 +194,16 @@ impl Articulation {
             let Some(rigid) = bodies.get_mut(body.handle) else { continue };
             rigid.recompute_mass_properties_from_colliders(colliders);
             let stored = rigid.mass_properties().local_mprops.reconstruct_inertia_matrix();
-            let stored = Matrix3::from_columns(&[stored.x_axis, stored.y_axis, stored.z_axis].map(super::convert::from_vector));
+            let stored = Matrix3::from_columns(
+                &[stored.x_axis, stored.y_axis, stored.z_axis].map(super::convert::from_vector),
+            );
             let wanted = body.inertial.inertia_in_link;
             let relative_error = (stored - wanted).norm() / wanted.norm();
             if relative_error.is_nan() || relative_error > TENSOR_TOLERANCE {
-                return Err(PlantError::Inertia { link: robot.links[body.links[0]].name.clone(), relative_error });
+                return Err(PlantError::Inertia {
+                    link: robot.links[body.links[0]].name.clone(),
+                    relative_error,
+                });
             }
         }
         Ok(())
@@ -187,7 +211,10 @@ impl Articulation {
 
     /// The multibody, if the vehicle has a moving joint.
     pub fn multibody<'a>(&self, world: &'a PhysicsWorld) -> Option<&'a Multibody> {
-        self.dofs.first().and_then(|dof| world.multibody_joints.get(dof.handle)).map(|(multibody, _)| multibody)
+        self.dofs
+            .first()
+            .and_then(|dof| world.multibody_joints.get(dof.handle))
+            .map(|(multibody, _)| multibody)
     }
 
     /// The same, to change it.
@@ -199,7 +226,9 @@ impl Articulation {
     /// Position and rate of a moving joint, rad and rad/s or m and m/s.
     pub fn joint_state(&self, world: &PhysicsWorld, dof: usize) -> (f64, f64) {
         let dof = &self.dofs[dof];
-        let Some((multibody, link)) = world.multibody_joints.get(dof.handle) else { return (0.0, 0.0) };
+        let Some((multibody, link)) = world.multibody_joints.get(dof.handle) else {
+            return (0.0, 0.0);
+        };
         let Some(link) = multibody.link(link) else { return (0.0, 0.0) };
         let coordinates = link.joint().coords();
         let position = if dof.prismatic { coordinates[0] } else { coordinates[3] };
@@ -263,7 +292,10 @@ impl Articulation {
     /// Pose of a link in the world.
     pub fn link_pose(&self, world: &PhysicsWorld, link: usize) -> Isometry3<f64> {
         let (body, place) = self.link_places[link];
-        world.bodies.get(self.bodies[body].handle).map_or(place, |b| from_pose(b.position()) * place)
+        world
+            .bodies
+            .get(self.bodies[body].handle)
+            .map_or(place, |b| from_pose(b.position()) * place)
     }
 
     /// Joint-space mass matrix `M = sum J^T diag(m, R I R^T) J` in Rapier's order: root linear and angular velocity in the
@@ -272,13 +304,17 @@ impl Articulation {
         let Some(multibody) = self.multibody(world) else { return DMatrix::zeros(0, 0) };
         let mut m = DMatrix::zeros(multibody.ndofs(), multibody.ndofs());
         for link in multibody.links() {
-            let Some(body) = self.bodies.iter().find(|b| b.handle == link.rigid_body_handle()) else { continue };
+            let Some(body) = self.bodies.iter().find(|b| b.handle == link.rigid_body_handle())
+            else {
+                continue;
+            };
             let Some(rigid) = world.bodies.get(body.handle) else { continue };
             let jacobian = multibody.body_jacobian(link.link_id());
             let r = rotation_matrix(rigid.position().rotation);
             let (linear, angular) = (jacobian.fixed_rows::<3>(0), jacobian.fixed_rows::<3>(3));
             let inertia = r * body.inertial.inertia_in_link * r.transpose();
-            m += linear.transpose() * linear * body.inertial.mass_kg + angular.transpose() * (inertia * angular);
+            m += linear.transpose() * linear * body.inertial.mass_kg
+                + angular.transpose() * (inertia * angular);
         }
         m
     }
@@ -295,7 +331,8 @@ fn lumped_inertial(robot: &Robot, links: &[usize], places: &[(usize, Isometry3<f
     let inertia_in_link = parts.fold(Matrix3::zeros(), |sum, (inertial, place)| {
         let r = place.rotation.to_rotation_matrix();
         let d = (place * nalgebra::Point3::from(inertial.com_in_link)).coords - com_in_link;
-        let steiner = (Matrix3::identity() * d.norm_squared() - d * d.transpose()) * inertial.mass_kg;
+        let steiner =
+            (Matrix3::identity() * d.norm_squared() - d * d.transpose()) * inertial.mass_kg;
         sum + r.matrix() * inertial.inertia_in_link * r.matrix().transpose() + steiner
     });
     Inertial { mass_kg, com_in_link, inertia_in_link }
@@ -324,11 +361,17 @@ pub(super) fn collider(
             (ColliderBuilder::cuboid(x * 0.5, y * 0.5, z * 0.5), Isometry3::identity())
         }
         Shape::Sphere { radius_m } => (ColliderBuilder::ball(*radius_m), Isometry3::identity()),
-        Shape::Cylinder { radius_m, length_m } => (ColliderBuilder::cylinder(length_m * 0.5, *radius_m), upright),
-        Shape::Capsule { radius_m, length_m } => (ColliderBuilder::capsule_z(length_m * 0.5, *radius_m), Isometry3::identity()),
+        Shape::Cylinder { radius_m, length_m } => {
+            (ColliderBuilder::cylinder(length_m * 0.5, *radius_m), upright)
+        }
+        Shape::Capsule { radius_m, length_m } => {
+            (ColliderBuilder::capsule_z(length_m * 0.5, *radius_m), Isometry3::identity())
+        }
         Shape::Mesh { vertices, .. } => {
-            let points: Vec<Vector> = vertices.iter().map(|v| Vector::new(v[0], v[1], v[2])).collect();
-            let hull = ColliderBuilder::convex_hull(&points).ok_or_else(|| PlantError::Hull { link: link.to_owned() })?;
+            let points: Vec<Vector> =
+                vertices.iter().map(|v| Vector::new(v[0], v[1], v[2])).collect();
+            let hull = ColliderBuilder::convex_hull(&points)
+                .ok_or_else(|| PlantError::Hull { link: link.to_owned() })?;
             (hull, Isometry3::identity())
         }
     };

@@ -24,7 +24,10 @@ pub(super) fn to_pose(iso: &Isometry3<f64>) -> Pose {
 }
 
 pub(super) fn from_pose(pose: &Pose) -> Isometry3<f64> {
-    Isometry3::from_parts(Translation3::from(from_vector(pose.translation)), from_rotation(pose.rotation))
+    Isometry3::from_parts(
+        Translation3::from(from_vector(pose.translation)),
+        from_rotation(pose.rotation),
+    )
 }
 
 pub(super) fn rotation_matrix(q: Rotation) -> Matrix3<f64> {
@@ -34,5 +37,8 @@ pub(super) fn rotation_matrix(q: Rotation) -> Matrix3<f64> {
 /// A pose as the viewers want it.
 pub(super) fn view_pose(iso: &Isometry3<f64>) -> crate::tick::Pose {
     let q = iso.rotation;
-    crate::tick::Pose { position: iso.translation.vector.into(), quaternion_wxyz: [q.w, q.i, q.j, q.k] }
+    crate::tick::Pose {
+        position: iso.translation.vector.into(),
+        quaternion_wxyz: [q.w, q.i, q.j, q.k],
+    }
 }

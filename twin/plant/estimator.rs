@@ -111,7 +111,8 @@ impl Estimator {
         self.position += innovation * (3.0 * w * dt);
         self.velocity += innovation * (3.0 * w * w * dt);
         self.accelerometer_bias -= self.rotation.transpose() * innovation * (w * w * w * dt);
-        let tilt = (rotation.transpose() * Rotation3::from_matrix_unchecked(mocap.rotation)).scaled_axis();
+        let tilt =
+            (rotation.transpose() * Rotation3::from_matrix_unchecked(mocap.rotation)).scaled_axis();
         let w = ATTITUDE_POLE_RAD_S;
         let turn = Rotation3::new(tilt * (2.0 * w * dt));
         self.rotation *= turn;
@@ -158,11 +159,20 @@ const ORTHONORMAL_ITERATIONS: usize = 100;
 fn orthonormal(rotation: &Rotation3<f64>) -> Rotation3<f64> {
     let mut guess = UnitQuaternion::from(*rotation);
     guess.renormalize();
-    Rotation3::from_matrix_eps(rotation.matrix(), f64::EPSILON, ORTHONORMAL_ITERATIONS, guess.into())
+    Rotation3::from_matrix_eps(
+        rotation.matrix(),
+        f64::EPSILON,
+        ORTHONORMAL_ITERATIONS,
+        guess.into(),
+    )
 }
 
 /// Coordinates from their three parts.
-pub(super) fn stack(position: &Vector3<f64>, attitude: &Vector3<f64>, joint: &Vector2<f64>) -> Coords {
+pub(super) fn stack(
+    position: &Vector3<f64>,
+    attitude: &Vector3<f64>,
+    joint: &Vector2<f64>,
+) -> Coords {
     Coords::from([
         position.x, position.y, position.z, attitude.x, attitude.y, attitude.z, joint.x, joint.y,
     ])

@@ -49,14 +49,20 @@ impl Gripper {
             name: settings.palm_link.clone(),
             available: names(robot.links.iter().map(|l| l.name.as_str()).collect()),
         })?;
-        let follows = |joint: usize| joint == leader || robot.joints[joint].mimic.is_some_and(|m| m.joint == leader);
+        let follows = |joint: usize| {
+            joint == leader || robot.joints[joint].mimic.is_some_and(|m| m.joint == leader)
+        };
         let mut fingers: Vec<usize> = (0..articulation.dofs.len())
-            .filter(|dof| follows(articulation.dofs[*dof].joint) && articulation.dofs[*dof].prismatic)
+            .filter(|dof| {
+                follows(articulation.dofs[*dof].joint) && articulation.dofs[*dof].prismatic
+            })
             .collect();
         fingers.sort_by_key(|dof| articulation.dofs[*dof].joint != leader);
         let pads: Vec<ColliderHandle> = fingers
             .iter()
-            .flat_map(|dof| articulation.colliders[robot.joints[articulation.dofs[*dof].joint].child].clone())
+            .flat_map(|dof| {
+                articulation.colliders[robot.joints[articulation.dofs[*dof].joint].child].clone()
+            })
             .collect();
         for pad in &pads {
             if let Some(collider) = world.colliders.get_mut(*pad) {
@@ -67,7 +73,11 @@ impl Gripper {
     }
 
     /// Distance between pads and its rate.
-    pub(super) fn reading(&self, world: &PhysicsWorld, articulation: &Articulation) -> GripperReading {
+    pub(super) fn reading(
+        &self,
+        world: &PhysicsWorld,
+        articulation: &Articulation,
+    ) -> GripperReading {
         self.fingers.iter().map(|dof| articulation.joint_state(world, *dof)).fold(
             GripperReading::default(),
             |sum, (position, rate)| GripperReading {
@@ -78,7 +88,12 @@ impl Gripper {
     }
 
     /// Drives the fingers; does nothing while the command stays the same.
-    pub(super) fn drive(&mut self, world: &mut PhysicsWorld, articulation: &Articulation, command: GripperCommand) {
+    pub(super) fn drive(
+        &mut self,
+        world: &mut PhysicsWorld,
+        articulation: &Articulation,
+        command: GripperCommand,
+    ) {
         if self.command == Some(command) {
             return;
         }

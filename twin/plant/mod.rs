@@ -3,24 +3,24 @@
 //! In: a [`crate::tick::Setpoint`] and the inner rows. Out: a [`crate::tick::Measurement`] every 10 ms, made of ten steps of 1 ms.
 //! State: Rapier's world, actuators, wake, wind, sensors, estimator.
 
-pub mod settings;
-mod convert;
-pub mod articulation;
+mod aero;
 mod arena;
+pub mod articulation;
+mod convert;
+mod estimator;
 mod gripper;
 mod rotors;
-mod aero;
-mod wind;
 mod sensors;
-mod estimator;
-mod truth;
+pub mod settings;
 mod setup;
+mod truth;
 pub mod vehicle;
+mod wind;
 
 pub use articulation::Articulation;
 pub use settings::{
-    AeroSettings, ArenaObject, ArenaSettings, ContactSettings, GripperSettings, PayloadSettings, PlantSettings,
-    RotorSettings, SensorSettings, VehicleSettings, WindKind, WindSettings,
+    AeroSettings, ArenaObject, ArenaSettings, ContactSettings, GripperSettings, PayloadSettings,
+    PlantSettings, RotorSettings, SensorSettings, VehicleSettings, WindKind, WindSettings,
 };
 pub use setup::new_world;
 pub use vehicle::{SimulatedVehicle, Start};
@@ -54,7 +54,9 @@ pub enum PlantError {
         relative_error: f64,
     },
     /// A mesh has no volume to collide with.
-    #[error("link {link:?}: its collision mesh has no convex hull (fewer than four points that are not in a plane)")]
+    #[error(
+        "link {link:?}: its collision mesh has no convex hull (fewer than four points that are not in a plane)"
+    )]
     Hull {
         /// Link.
         link: String,

@@ -40,9 +40,12 @@ impl Drive {
         let blend = 1.0 - (-dt_s / self.lag_s).exp();
         let mut thrust_n = [0.0; MAX_ROTORS];
         for i in 0..MAX_ROTORS {
-            let wanted = (command_n[i].clamp(0.0, settings.max_thrust_n) / settings.thrust_coefficient_n_s2).sqrt();
+            let wanted = (command_n[i].clamp(0.0, settings.max_thrust_n)
+                / settings.thrust_coefficient_n_s2)
+                .sqrt();
             self.speed_rad_s[i] += (wanted - self.speed_rad_s[i]) * blend;
-            thrust_n[i] = settings.thrust_coefficient_n_s2 * self.speed_rad_s[i] * self.speed_rad_s[i];
+            thrust_n[i] =
+                settings.thrust_coefficient_n_s2 * self.speed_rad_s[i] * self.speed_rad_s[i];
         }
         thrust_n
     }
@@ -63,11 +66,20 @@ pub(super) struct Rotors {
 
 impl Rotors {
     /// Turning at the speed that makes `hover_n` each.
-    pub(super) fn new(places: &[RotorPlace], settings: &RotorSettings, hover_n: f64, dt_s: f64) -> Self {
+    pub(super) fn new(
+        places: &[RotorPlace],
+        settings: &RotorSettings,
+        hover_n: f64,
+        dt_s: f64,
+    ) -> Self {
         let mut command_n = [0.0; MAX_ROTORS];
         command_n[..places.len()].fill(hover_n);
         let speed_rad_s = command_n.map(|n| (n / settings.thrust_coefficient_n_s2).sqrt());
-        let drive = |lag_s| Drive { delay: Delay::new(settings.delay_s, dt_s, command_n), speed_rad_s, lag_s };
+        let drive = |lag_s| Drive {
+            delay: Delay::new(settings.delay_s, dt_s, command_n),
+            speed_rad_s,
+            lag_s,
+        };
         Self {
             places: places.to_vec(),
             settings: *settings,
@@ -79,7 +91,8 @@ impl Rotors {
     }
 
     pub(super) fn step(&mut self, command_n: PerRotor, dt_s: f64) {
-        self.thrust_n = self.real.step(command_n, &self.settings, dt_s).map(|n| n * self.settings.thrust_scale);
+        self.thrust_n =
+            self.real.step(command_n, &self.settings, dt_s).map(|n| n * self.settings.thrust_scale);
         self.modelled_thrust_n = self.modelled.step(command_n, &self.settings, dt_s);
     }
 
@@ -90,11 +103,14 @@ impl Rotors {
 
     /// Collective thrust and moment about the root link's origin in the body frame for given thrusts, N and N m.
     pub(super) fn wrench(&self, thrust_n: &PerRotor) -> (f64, Vector3<f64>) {
-        self.places.iter().zip(thrust_n).fold((0.0, Vector3::zeros()), |(total, moment), (place, n)| {
-            let arm = Vector3::from(place.position_m).cross(&Vector3::new(0.0, 0.0, *n));
-            let reaction = -place.spin * self.settings.torque_ratio_m * n;
-            (total + n, moment + arm + Vector3::new(0.0, 0.0, reaction))
-        })
+        self.places.iter().zip(thrust_n).fold(
+            (0.0, Vector3::zeros()),
+            |(total, moment), (place, n)| {
+                let arm = Vector3::from(place.position_m).cross(&Vector3::new(0.0, 0.0, *n));
+                let reaction = -place.spin * self.settings.torque_ratio_m * n;
+                (total + n, moment + arm + Vector3::new(0.0, 0.0, reaction))
+            },
+        )
     }
 }
 
@@ -133,7 +149,10 @@ mod tests {
         };
         for _ in 0..5 {
             rotors.step(command, dt);
-            assert!((rotors.modelled_thrust_n[0] - 4.0).abs() < 1e-12, "nothing moves within the delay");
+            assert!(
+                (rotors.modelled_thrust_n[0] - 4.0).abs() < 1e-12,
+                "nothing moves within the delay"
+            );
         }
         (0..40).for_each(|_| rotors.step(command, dt));
         // Speed follows 1 - exp(-t/lag): sqrt(T) = 2 + (3 - 2)(1 - 1/e) after one time constant.
@@ -150,6 +169,9 @@ mod tests {
         let (total, moment) = rotors.wrench(&thrust);
         assert!((total - 20.0).abs() < 1e-12 && moment.norm() < 1e-12);
         thrust[0] = 6.0;
-        assert!(rotors.wrench(&thrust).1.z < 0.0, "a counter-clockwise rotor pushes the body clockwise");
+        assert!(
+            rotors.wrench(&thrust).1.z < 0.0,
+            "a counter-clockwise rotor pushes the body clockwise"
+        );
     }
 }

@@ -83,15 +83,24 @@ impl Sensors {
     }
 
     /// Specific force from the change of the base velocity over the step, plus vibration of the rotors, noise and bias.
-    pub(super) fn imu(&mut self, state: &State, rotor_speed_rad_s: &PerRotor, hover_speed_rad_s: f64) -> Imu {
+    pub(super) fn imu(
+        &mut self,
+        state: &State,
+        rotor_speed_rad_s: &PerRotor,
+        hover_speed_rad_s: f64,
+    ) -> Imu {
         let last = self.last_velocity.replace(state.velocity).unwrap_or(state.velocity);
-        let acceleration = (state.velocity - last) / self.dt_s + Vector3::new(0.0, 0.0, GRAVITY_M_S2);
+        let acceleration =
+            (state.velocity - last) / self.dt_s + Vector3::new(0.0, 0.0, GRAVITY_M_S2);
         let vibration = self.vibration(rotor_speed_rad_s, hover_speed_rad_s);
         let s = self.settings;
         let noise = Vector3::from_fn(|_, _| s.accelerometer_noise_m_s2 * normal(&mut self.rng));
         let gyro_noise = Vector3::from_fn(|_, _| s.gyro_noise_rad_s * normal(&mut self.rng));
         Imu {
-            accelerometer: state.rotation.transpose() * acceleration + vibration + noise + self.accelerometer_bias,
+            accelerometer: state.rotation.transpose() * acceleration
+                + vibration
+                + noise
+                + self.accelerometer_bias,
             gyro: state.omega + gyro_noise + self.gyro_bias,
         }
     }
@@ -101,7 +110,8 @@ impl Sensors {
         let mut sum = Vector3::zeros();
         for (phase, speed) in self.vibration_phase.iter_mut().zip(speed_rad_s) {
             *phase = (*phase + speed * self.dt_s) % std::f64::consts::TAU;
-            let amplitude = self.settings.vibration_m_s2 * (speed / hover_speed_rad_s.max(1.0)).powi(2);
+            let amplitude =
+                self.settings.vibration_m_s2 * (speed / hover_speed_rad_s.max(1.0)).powi(2);
             let (sin, cos) = phase.sin_cos();
             sum += Vector3::new(cos, sin, 0.5 * sin) * amplitude;
         }
@@ -120,7 +130,9 @@ impl Sensors {
             self.under_way.push_back((self.step + age_steps as u64, sample));
         }
         match self.under_way.front() {
-            Some((due, _)) if *due <= self.step => self.under_way.pop_front().map(|(_, sample)| sample),
+            Some((due, _)) if *due <= self.step => {
+                self.under_way.pop_front().map(|(_, sample)| sample)
+            }
             _ => None,
         }
     }

@@ -1,20 +1,57 @@
 //! How a flight begins: the world, the joints, the cube.
 
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use rapier3d_f64::prelude::*;
 
-use super::gripper::Gripper;
+use super::arena::Arena;
+use super::gripper::{Gripper, apply_joint_properties};
 use super::vehicle::{STEP_S, Start};
 use super::{Articulation, ContactSettings, PlantError, PlantSettings, VehicleSettings};
 use crate::model::Robot;
 use crate::notation::GRAVITY_M_S2;
 
+/// Everything in Rapier's world.
+pub(super) struct Rig {
+    pub(super) world: PhysicsWorld,
+    pub(super) articulation: Articulation,
+    /// Degrees of freedom of the arm.
+    pub(super) arm: Vec<usize>,
+    pub(super) gripper: Option<Gripper>,
+    pub(super) arena: Arena,
+}
+
+/// Vehicle, arena and cube at the start of a flight.
+pub(super) fn rig(
+    robot: &Robot,
+    objects: &[Robot],
+    settings: &PlantSettings,
+    start: &Start,
+    rng: &mut Pcg64,
+) -> Result<Rig, PlantError> {
+    let vehicle = &settings.vehicle;
+    let mut world = new_world(&settings.contact);
+    let root = Isometry3::from_parts(start.position.into(), UnitQuaternion::identity());
+    let articulation = Articulation::build(&mut world, robot, &root)?;
+    let arm = arm_dofs(robot, &articulation, vehicle)?;
+    let joints: Vec<usize> = arm.iter().map(|dof| articulation.dofs[*dof].joint).collect();
+    let armature = vehicle.joint_armature_kg_m2;
+    apply_joint_properties(&mut world, &articulation, robot, &joints, armature);
+    let gripper =
+        Gripper::build(&mut world, &articulation, robot, &vehicle.gripper, &vehicle.urdf)?;
+    let positions = initial_joints(robot, &articulation, &arm, gripper.as_ref(), start, settings);
+    articulation.set_joint_positions(&mut world, &positions);
+    let pose = payload_pose(settings, start, rng);
+    let arena = Arena::build(&mut world, &settings.arena, objects, &settings.payload, &pose)?;
+    Ok(Rig { world, articulation, arm, gripper, arena })
+}
+
 /// Rapier with the measured settings: stiff contacts, no recycling, gravity along -z.
 pub fn new_world(contact: &ContactSettings) -> PhysicsWorld {
-    let mut world = PhysicsWorld { gravity: Vector::new(0.0, 0.0, -GRAVITY_M_S2), ..PhysicsWorld::default() };
+    let mut world =
+        PhysicsWorld { gravity: Vector::new(0.0, 0.0, -GRAVITY_M_S2), ..PhysicsWorld::default() };
     let parameters = &mut world.integration_parameters;
     parameters.dt = STEP_S;
     parameters.num_solver_iterations = contact.iterations;
@@ -27,7 +64,7 @@ pub fn new_world(contact: &ContactSettings) -> PhysicsWorld {
 }
 
 /// Degrees of freedom of the arm joints that have rows.
-pub(super) fn arm_dofs(
+fn arm_dofs(
     robot: &Robot,
     articulation: &Articulation,
     vehicle: &VehicleSettings,
@@ -37,24 +74,26 @@ pub(super) fn arm_dofs(
         .iter()
         .map(|name| {
             let joint = robot.joint(name);
-            articulation.dofs.iter().position(|dof| Some(dof.joint) == joint).ok_or_else(|| PlantError::UnknownName {
-                key: "vehicle.arm_joints",
-                file: vehicle.urdf.clone(),
-                what: "moving joint",
-                name: name.clone(),
-                available: articulation
-                    .dofs
-                    .iter()
-                    .map(|dof| robot.joints[dof.joint].name.as_str())
-                    .collect::<Vec<_>>()
-                    .join(", "),
+            articulation.dofs.iter().position(|dof| Some(dof.joint) == joint).ok_or_else(|| {
+                PlantError::UnknownName {
+                    key: "vehicle.arm_joints",
+                    file: vehicle.urdf.clone(),
+                    what: "moving joint",
+                    name: name.clone(),
+                    available: articulation
+                        .dofs
+                        .iter()
+                        .map(|dof| robot.joints[dof.joint].name.as_str())
+                        .collect::<Vec<_>>()
+                        .join(", "),
+                }
             })
         })
         .collect()
 }
 
 /// Joint positions at the start: arm as asked, fingers open, or on the payload.
-pub(super) fn initial_joints(
+fn initial_joints(
     robot: &Robot,
     articulation: &Articulation,
     arm: &[usize],
@@ -68,13 +107,14 @@ pub(super) fn initial_joints(
     }
     for dof in gripper.iter().flat_map(|g| g.fingers()) {
         let joint = &robot.joints[articulation.dofs[*dof].joint];
-        positions[*dof] = if start.grasped.is_some() { 0.5 * settings.payload.size_m } else { joint.upper };
+        positions[*dof] =
+            if start.grasped.is_some() { 0.5 * settings.payload.size_m } else { joint.upper };
     }
     positions
 }
 
 /// Start pose of the cube with its seeded scatter.
-pub(super) fn payload_pose(settings: &PlantSettings, start: &Start, rng: &mut Pcg64) -> Isometry3<f64> {
+fn payload_pose(settings: &PlantSettings, start: &Start, rng: &mut Pcg64) -> Isometry3<f64> {
     let payload = &settings.payload;
     let mut scatter = || payload.position_spread_m * (2.0 * rng.random::<f64>() - 1.0);
     let shift = Vector3::new(scatter(), scatter(), 0.0);

@@ -14,7 +14,8 @@ const FAINTEST_N: f64 = 0.02;
 pub(super) fn truth(vehicle: &SimulatedVehicle) -> Truth {
     let state = vehicle.state();
     let (chi, chi_dot) = true_coordinates(&state, 0.0);
-    let links = (0..vehicle.robot.links.len()).map(|link| vehicle.articulation.link_pose(&vehicle.world, link));
+    let links = (0..vehicle.robot.links.len())
+        .map(|link| vehicle.articulation.link_pose(&vehicle.world, link));
     let mut poses: Vec<_> = links.map(|pose| view_pose(&pose)).collect();
     let payload = vehicle.arena.payload.and_then(|handle| vehicle.world.bodies.get(handle));
     let mut payload_position = Vector3::zeros();
@@ -76,7 +77,8 @@ impl Contacts {
                 self.collision_force_n += magnitude;
             }
             // The normal points out of collider1: the force on collider2 is along it.
-            let receives_first = is_payload(a) || (!is_payload(b) && !vehicle.arena.fixed.contains(&a));
+            let receives_first =
+                is_payload(a) || (!is_payload(b) && !vehicle.arena.fixed.contains(&a));
             self.add_points(world, pair, if receives_first { -1.0 } else { 1.0 });
         }
     }
@@ -84,15 +86,21 @@ impl Contacts {
     fn add_points(&mut self, world: &PhysicsWorld, pair: &ContactPair, sign: f64) {
         for manifold in pair.solver_manifolds() {
             for contact in &manifold.data.solver_contacts {
-                let Some(point) = manifold.points.get(contact.contact_indices()[0] as usize) else { continue };
+                let Some(point) = manifold.points.get(contact.contact_indices()[0] as usize) else {
+                    continue;
+                };
                 let force_n = point.data.impulse / STEP_S;
                 if force_n < FAINTEST_N {
                     continue;
                 }
-                let (on_first, on_second) = manifold.data.solver_contact_world_points(contact, &world.bodies);
+                let (on_first, on_second) =
+                    manifold.data.solver_contact_world_points(contact, &world.bodies);
                 let middle = (from_vector(on_first) + from_vector(on_second)) * 0.5;
                 let force = from_vector(manifold.data.normal) * (sign * force_n);
-                self.points.push(Contact { point_in_world: middle.into(), force_in_world_n: force.into() });
+                self.points.push(Contact {
+                    point_in_world: middle.into(),
+                    force_in_world_n: force.into(),
+                });
             }
         }
     }

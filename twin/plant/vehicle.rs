@@ -1,6 +1,6 @@
 //! The simulated vehicle as a [`Source`]: ten 1 ms steps per tick, the inner rows every second one.
 
-use nalgebra::{Isometry3, UnitQuaternion, Vector2, Vector3};
+use nalgebra::{Vector2, Vector3};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use rapier3d_f64::prelude::*;
@@ -9,16 +9,17 @@ use super::aero::{Aero, Flow, wake_force};
 use super::arena::Arena;
 use super::convert::{from_vector, rotation_matrix, to_vector};
 use super::estimator::{Estimator, stack};
-use super::gripper::{Gripper, apply_joint_properties};
+use super::gripper::Gripper;
 use super::rotors::{Delay, Rotors};
 use super::sensors::{Sensors, State};
-use super::setup::{arm_dofs, initial_joints, new_world, payload_pose};
+use super::setup::{Rig, rig};
 use super::wind::Wind;
 use super::{Articulation, PlantError, PlantSettings};
 use crate::filter::Butterworth;
 use crate::model::{Robot, Statics};
 use crate::notation::{
-    Coords, GRAVITY_M_S2, MAX_ROTORS, N, TICK_S, body_rate_from_euler_rate, euler_from_rotation, wrap_angle,
+    Coords, GRAVITY_M_S2, MAX_ROTORS, N, TICK_S, body_rate_from_euler_rate, euler_from_rotation,
+    wrap_angle,
 };
 use crate::source::{Disturbance, InnerLoop, InnerState, Source};
 use crate::tick::{ActuatorCommand, GripperReading, Measurement, PayloadReading, Setpoint, Truth};
@@ -88,27 +89,25 @@ impl SimulatedVehicle {
         if vehicle.rotors.len() < 3 || vehicle.rotors.len() > MAX_ROTORS {
             return Err(PlantError::Rotors { found: vehicle.rotors.len(), max: MAX_ROTORS });
         }
-        let mut world = new_world(&settings.contact);
         let mut rng = Pcg64::seed_from_u64(seed);
-        let root = Isometry3::from_parts(start.position.into(), UnitQuaternion::identity());
-        let articulation = Articulation::build(&mut world, &robot, &root)?;
-        let arm = arm_dofs(&robot, &articulation, vehicle)?;
+        let Rig { world, articulation, arm, gripper, arena } =
+            rig(&robot, objects, &settings, start, &mut rng)?;
         let arm_joints: Vec<usize> = arm.iter().map(|dof| articulation.dofs[*dof].joint).collect();
-        apply_joint_properties(&mut world, &articulation, &robot, &arm_joints, vehicle.joint_armature_kg_m2);
-        let gripper = Gripper::build(&mut world, &articulation, &robot, &vehicle.gripper, &vehicle.urdf)?;
-        let positions = initial_joints(&robot, &articulation, &arm, gripper.as_ref(), start, &settings);
-        articulation.set_joint_positions(&mut world, &positions);
-        let payload_pose = payload_pose(&settings, start, &mut rng);
-        let arena = Arena::build(&mut world, &settings.arena, objects, &settings.payload, &payload_pose)?;
         let payload_kg = if start.grasped.is_some() { settings.payload.mass_kg } else { 0.0 };
-        let hover_n = (robot.total_mass_kg() + payload_kg) * GRAVITY_M_S2 / vehicle.rotors.len() as f64;
+        let hover_n =
+            (robot.total_mass_kg() + payload_kg) * GRAVITY_M_S2 / vehicle.rotors.len() as f64;
         let rotor_n = hover_n / vehicle.rotor.thrust_scale;
         let chi = stack(&start.position, &Vector3::zeros(), &start.joints);
         let statics = Statics::new(&robot, &arm_joints);
         let mut filter_tau = Butterworth::new(RESIDUAL_CORNER_HZ, STEP_S);
         filter_tau.settle(&statics.gravity(&chi));
-        let estimator =
-            Estimator::new(start.position, nalgebra::Matrix3::identity(), start.joints, &settings.sensors, STEP_S);
+        let estimator = Estimator::new(
+            start.position,
+            nalgebra::Matrix3::identity(),
+            start.joints,
+            &settings.sensors,
+            STEP_S,
+        );
         Ok(Self {
             rotors: Rotors::new(&vehicle.rotors, &vehicle.rotor, rotor_n, STEP_S),
             aero: Aero::new(&settings.aero),
@@ -150,8 +149,9 @@ impl SimulatedVehicle {
         let root = self.articulation.link_pose(&self.world, self.robot.root);
         let rotation = *root.rotation.to_rotation_matrix().matrix();
         let body = self.world.bodies.get(self.articulation.bodies[0].handle);
-        let (com_velocity, omega_world) = body
-            .map_or((Vector3::zeros(), Vector3::zeros()), |b| (from_vector(b.linvel()), from_vector(b.angvel())));
+        let (com_velocity, omega_world) = body.map_or((Vector3::zeros(), Vector3::zeros()), |b| {
+            (from_vector(b.linvel()), from_vector(b.angvel()))
+        });
         let com = body.map_or_else(Vector3::zeros, |b| from_vector(b.center_of_mass()));
         let position = root.translation.vector;
         let mut joint = Vector2::zeros();
@@ -159,13 +159,14 @@ impl SimulatedVehicle {
         for (row, dof) in self.arm.iter().enumerate() {
             (joint[row], joint_dot[row]) = self.articulation.joint_state(&self.world, *dof);
         }
-        let payload = self.arena.payload.and_then(|handle| self.world.bodies.get(handle)).map(|b| {
-            let r = rotation_matrix(b.position().rotation);
-            PayloadReading {
-                position_in_world: from_vector(b.position().translation),
-                yaw_rad: r[(1, 0)].atan2(r[(0, 0)]),
-            }
-        });
+        let payload =
+            self.arena.payload.and_then(|handle| self.world.bodies.get(handle)).map(|b| {
+                let r = rotation_matrix(b.position().rotation);
+                PayloadReading {
+                    position_in_world: from_vector(b.position().translation),
+                    yaw_rad: r[(1, 0)].atan2(r[(0, 0)]),
+                }
+            });
         State {
             rotation,
             position,
@@ -187,11 +188,16 @@ impl SimulatedVehicle {
         // Forces are held over the step in the world frame: apply them at the attitude of mid-step.
         let middle = nalgebra::Rotation3::new(state.omega * (0.5 * STEP_S));
         let rotation = state.rotation * middle.matrix();
-        let flow =
-            Flow { rotation, position: state.position, velocity: state.velocity, wind: self.wind_now };
+        let flow = Flow {
+            rotation,
+            position: state.position,
+            velocity: state.velocity,
+            wind: self.wind_now,
+        };
         let thrust_n = self.aero.thrust_near_surfaces(&self.rotors, &flow, &self.arena);
         let (collective, moment) = self.rotors.wrench(&thrust_n);
-        let (drag, unsteady) = self.aero.step(&flow, &self.rotors, &thrust_n, STEP_S, &mut self.rng);
+        let (drag, unsteady) =
+            self.aero.step(&flow, &self.rotors, &thrust_n, STEP_S, &mut self.rng);
         let force = rotation * Vector3::new(0.0, 0.0, collective) + drag + self.take_push();
         let moment = rotation * (moment + unsteady);
         if let Some(root) = self.world.bodies.get_mut(self.articulation.bodies[0].handle) {
@@ -230,8 +236,10 @@ impl SimulatedVehicle {
                 body.add_force_at_point(to_vector(&wake_force(&wake, area)), com, true);
             }
         }
-        if let Some(body) = self.arena.payload.and_then(|handle| self.world.bodies.get_mut(handle)) {
-            let wake = self.aero.wake_at(&from_vector(body.position().translation), flow, &self.rotors);
+        if let Some(body) = self.arena.payload.and_then(|handle| self.world.bodies.get_mut(handle))
+        {
+            let wake =
+                self.aero.wake_at(&from_vector(body.position().translation), flow, &self.rotors);
             let drag_area = CUBE_DRAG * self.settings.payload.size_m.powi(2);
             body.reset_forces(false);
             body.add_force(to_vector(&wake_force(&wake, drag_area)), true);
@@ -290,10 +298,9 @@ impl Source for SimulatedVehicle {
             chi_dot: self.estimator.chi_dot(),
             chi_ddot: filtered.0,
             tau_applied: filtered.1,
-            gripper: self
-                .gripper
-                .as_ref()
-                .map_or_else(GripperReading::default, |g| g.reading(&self.world, &self.articulation)),
+            gripper: self.gripper.as_ref().map_or_else(GripperReading::default, |g| {
+                g.reading(&self.world, &self.articulation)
+            }),
             payload: self.payload_seen,
             saturated,
         }
@@ -310,10 +317,16 @@ impl Source for SimulatedVehicle {
                 self.arena.set_payload_mass(&mut self.world, *kg, self.settings.payload.size_m);
             }
             Disturbance::Wind { velocity_m_s } => self.wind.settings.velocity_m_s = *velocity_m_s,
-            Disturbance::Push { force_n, duration_s } => self.push = Some((Vector3::from(*force_n), *duration_s)),
+            Disturbance::Push { force_n, duration_s } => {
+                self.push = Some((Vector3::from(*force_n), *duration_s));
+            }
             Disturbance::DropPayload => {
                 // The cube turns slippery: it leaves the closed fingers by its weight.
-                let colliders = self.gripper.iter().flat_map(|g| g.pads.clone()).chain(self.arena.payload_collider);
+                let colliders = self
+                    .gripper
+                    .iter()
+                    .flat_map(|g| g.pads.clone())
+                    .chain(self.arena.payload_collider);
                 for handle in colliders {
                     if let Some(collider) = self.world.colliders.get_mut(handle) {
                         collider.set_friction(0.0);

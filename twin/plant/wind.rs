@@ -19,7 +19,13 @@ impl Wind {
     }
 
     /// Wind velocity in the world at `t_s`, m/s, for a vehicle moving at `speed_m_s`.
-    pub(super) fn step(&mut self, t_s: f64, speed_m_s: f64, dt_s: f64, rng: &mut impl Rng) -> Vector3<f64> {
+    pub(super) fn step(
+        &mut self,
+        t_s: f64,
+        speed_m_s: f64,
+        dt_s: f64,
+        rng: &mut impl Rng,
+    ) -> Vector3<f64> {
         let s = &self.settings;
         let mean = Vector3::from(s.velocity_m_s);
         match s.kind {
@@ -79,7 +85,9 @@ mod tests {
         let mut rng = rand_pcg::Pcg64::seed_from_u64(1);
         let mut wind = Wind::new(&settings(WindKind::Dryden));
         let n = 400_000;
-        let variance = (0..n).map(|i| (wind.step(f64::from(i) * 0.01, 0.0, 0.01, &mut rng).y).powi(2)).sum::<f64>()
+        let variance = (0..n)
+            .map(|i| (wind.step(f64::from(i) * 0.01, 0.0, 0.01, &mut rng).y).powi(2))
+            .sum::<f64>()
             / f64::from(n);
         // 4000 s at a time constant of 0.5 s: about 4000 independent samples, 5 % is over three standard errors.
         assert!((variance.sqrt() - 1.0).abs() < 0.05, "{variance}");

@@ -77,6 +77,9 @@ mod tests {
         }
         assert_eq!(history.len(), 3);
         let newest = history.newest().unwrap();
-        assert_eq!((newest.chi[0], newest.tau_previous[0], newest.residual_previous[0]), (4.0, 30.0, 300.0));
+        assert_eq!(
+            (newest.chi[0], newest.tau_previous[0], newest.residual_previous[0]),
+            (4.0, 30.0, 300.0)
+        );
     }
 }

@@ -79,13 +79,19 @@ impl Adapter {
         &self.covariance
     }
 
-    /// Shifts the weights by the smallest change that moves the correction at `regime` by `step` (N and N m): a known jump,
-    /// such as the weight of a payload that is put down, needs not be learned from its error.
-    pub fn shift(&mut self, regime: &[f64], step: &Coords) {
-        let g = DVector::from_column_slice(regime);
+    /// Changes the weights by as little as makes the estimate for `forecast` equal `known` (N and N m): a known jump, such as a
+    /// payload that is put down, needs not be learned from its error.
+    pub fn move_to(&mut self, forecast: &Forecast, known: &Coords) {
+        let g = DVector::from_column_slice(&forecast.regime);
         let power = g.norm_squared();
-        if g.len() == self.weights.nrows() && power > 0.0 && power.is_finite() && step.iter().all(|v| v.is_finite()) {
-            self.weights += &g * (step.component_div(&self.scale) / power).transpose();
+        let base = forecast.base.first().copied().unwrap_or_else(Coords::zeros);
+        let step = (known - base).component_div(&self.scale) - self.correction(&g);
+        if g.len() == self.weights.nrows()
+            && power > 0.0
+            && power.is_finite()
+            && step.iter().all(|v| v.is_finite())
+        {
+            self.weights += &g * (step / power).transpose();
         }
     }
 
@@ -116,7 +122,11 @@ impl Adapter {
             gain_norm = self.rls(&g, &innovation, settings);
             reset = self.detect_reset(&innovation, dt_s, settings);
         }
-        let r_hat = if settings.enabled { base + self.correction(&g).component_mul(&self.scale) } else { base };
+        let r_hat = if settings.enabled {
+            base + self.correction(&g).component_mul(&self.scale)
+        } else {
+            base
+        };
         let diagonal = self.covariance.diagonal();
         Adapted {
             r_hat, // r_adapt
@@ -201,10 +211,10 @@ mod tests {
             let total = i32::try_from(data.len()).unwrap();
             let mut a = DMatrix::identity(4, 4) * lambda.powi(total);
             let mut b = DVector::zeros(4);
-            for (t, (g, y)) in (0..total).zip(&data) {
+            for (t, (g, y)) in data.iter().enumerate() {
                 adapter.step(&forecast(g), &Coords::repeat(*y), 0.01, false, &settings);
                 let g = DVector::from_column_slice(g);
-                let weight = lambda.powi(total - 1 - t);
+                let weight = lambda.powi(total - 1 - i32::try_from(t).unwrap());
                 a += &g * g.transpose() * weight;
                 b += &g * (*y * weight);
             }
@@ -235,19 +245,22 @@ mod tests {
             adapter.step(&forecast(&[1.0]), &Coords::zeros(), 0.01, false, &settings);
         }
         let resets: Vec<usize> = (0..100)
-            .filter(|_| adapter.step(&forecast(&[1.0]), &Coords::repeat(5.0), 0.01, false, &settings).reset)
+            .filter(|_| {
+                adapter.step(&forecast(&[1.0]), &Coords::repeat(5.0), 0.01, false, &settings).reset
+            })
             .collect();
         assert_eq!(resets.len(), 1, "a collapsed covariance reopens once: {resets:?}");
     }
 
     #[test]
-    fn a_shift_moves_the_estimate_by_exactly_its_step() {
+    fn after_a_move_the_estimate_is_the_known_value() {
         let settings = Settings::default();
         let mut adapter = Adapter::new(2, Coords::repeat(2.0), &settings);
-        let before = adapter.step(&forecast(&[1.0, 0.5]), &Coords::zeros(), 0.01, true, &settings).r_hat;
-        adapter.shift(&[1.0, 0.5], &Coords::repeat(-5.0));
-        let after = adapter.step(&forecast(&[1.0, 0.5]), &Coords::zeros(), 0.01, true, &settings).r_hat;
-        assert!((after - before - Coords::repeat(-5.0)).norm() < 1e-12);
+        adapter.step(&forecast(&[1.0, 0.5]), &Coords::repeat(3.0), 0.01, false, &settings);
+        adapter.move_to(&forecast(&[1.0, 0.5]), &Coords::repeat(-5.0));
+        let after =
+            adapter.step(&forecast(&[1.0, 0.5]), &Coords::zeros(), 0.01, true, &settings).r_hat;
+        assert!((after - Coords::repeat(-5.0)).norm() < 1e-12);
     }
 
     #[test]

@@ -109,7 +109,8 @@ impl Metrics {
             self.position_transport.add(position_squared);
         }
         if tick.reference.cruising {
-            let speed = tick.truth.as_ref().map_or(&tick.measurement.chi_dot, |truth| &truth.chi_dot);
+            let speed =
+                tick.truth.as_ref().map_or(&tick.measurement.chi_dot, |truth| &truth.chi_dot);
             self.speed_sum += speed.fixed_rows::<3>(0).norm();
             self.speed_count += 1.0;
         }
@@ -117,7 +118,9 @@ impl Metrics {
 
     /// A-priori prediction of the residual against persistence; held ticks are not predictions.
     fn add_prediction(&mut self, tick: &Tick) {
-        let Some(previous) = self.previous_residual.filter(|_| !tick.adapted.frozen) else { return };
+        let Some(previous) = self.previous_residual.filter(|_| !tick.adapted.frozen) else {
+            return;
+        };
         self.residual_count += 1.0;
         self.residual_sum += tick.residual;
         self.residual_squares += tick.residual.component_mul(&tick.residual);
@@ -139,12 +142,15 @@ impl Metrics {
             let held = *self.palm.get_or_insert(truth.payload_in_palm);
             self.slip_m = self.slip_m.max((truth.payload_in_palm - held).norm());
         }
-        self.last =
-            Some(Last { payload: truth.payload_position, tilt_rad: truth.payload_tilt_rad, t_s: tick.measurement.t_s });
+        self.last = Some(Last {
+            payload: truth.payload_position,
+            tilt_rad: truth.payload_tilt_rad,
+            t_s: tick.measurement.t_s,
+        });
     }
 
-    /// The metrics by name; `place` is where the payload should rest, m. Metrics without data are left out.
-    pub fn finish(mut self, place: &Vector3<f64>) -> BTreeMap<String, f64> {
+    /// The metrics by name; `place` is where the payload should rest, m, if there is one to place. Metrics without data are left out.
+    pub fn finish(mut self, place: Option<Vector3<f64>>) -> BTreeMap<String, f64> {
         let mut out = BTreeMap::new();
         let mut put = |name: &str, value: Option<f64>| {
             if let Some(value) = value.filter(|v| v.is_finite()) {
@@ -159,7 +165,10 @@ impl Metrics {
             let unit = if matches!(*row, "x" | "y" | "z") { "m" } else { "rad" };
             put(&format!("rms_error_{row}_{unit}"), rms.value());
         }
-        put("transport_speed_m_s", (self.speed_count > 0.0).then(|| self.speed_sum / self.speed_count));
+        put(
+            "transport_speed_m_s",
+            (self.speed_count > 0.0).then(|| self.speed_sum / self.speed_count),
+        );
         put("residual_rmse_z", pooled_rmse_z(&self.prediction));
         put("persistence_rmse_z", pooled_rmse_z(&self.persistence));
         put("residual_r2", self.r_squared());
@@ -170,11 +179,11 @@ impl Metrics {
         put("innovation_mean_peak", Some(self.innovation_peak));
         put("innovation_mean_q999", quantile(&mut self.innovation, 0.999));
         put("tilt_peak_rad", Some(self.tilt_peak_rad));
-        put("grasp_slip_mm", self.palm.map(|_| self.slip_m * 1e3));
+        put("grasp_slip_mm", self.palm.and(place).map(|_| self.slip_m * 1e3));
         if let Some(last) = self.last {
             put("flight_s", Some(last.t_s));
-            put("placement_error_mm", Some((last.payload - place).xy().norm() * 1e3));
-            put("placement_tilt_rad", Some(last.tilt_rad));
+            put("placement_error_mm", place.map(|place| (last.payload - place).xy().norm() * 1e3));
+            put("placement_tilt_rad", place.map(|_| last.tilt_rad));
         }
         out
     }
@@ -194,7 +203,8 @@ impl Metrics {
 
 /// Root mean square over rows and time, each row divided by the residual's standard deviation.
 fn pooled_rmse_z(rows: &[Rms; N]) -> Option<f64> {
-    let sum: f64 = rows.iter().zip(NOMINAL_SCALE).map(|(row, scale)| row.sum / (scale * scale)).sum();
+    let sum: f64 =
+        rows.iter().zip(NOMINAL_SCALE).map(|(row, scale)| row.sum / (scale * scale)).sum();
     let count: f64 = rows.iter().map(|row| row.count).sum();
     (count > 0.0).then(|| (sum / count).sqrt())
 }

@@ -1,16 +1,16 @@
 //! One TOML file, one flight, one verdict.
 
-pub mod settings;
+mod assemble;
 mod document;
 pub mod file;
 mod limits;
 mod merge;
-mod assemble;
-pub mod scene;
-pub mod verdict;
 pub mod metrics;
 pub mod run;
+pub mod scene;
+pub mod settings;
 pub mod table;
+pub mod verdict;
 
 use std::path::{Path, PathBuf};
 
@@ -47,7 +47,9 @@ impl Scenario {
     pub fn load(file: &Path, overrides: &[String]) -> Result<Self, ScenarioError> {
         let settings = file::read::<Settings>(file, DEFAULTS, overrides)?;
         let scenario = Self {
-            name: file.file_stem().map_or_else(|| "scenario".into(), |stem| stem.to_string_lossy().into_owned()),
+            name: file
+                .file_stem()
+                .map_or_else(|| "scenario".into(), |stem| stem.to_string_lossy().into_owned()),
             file: file.to_owned(),
             settings,
         };
@@ -102,8 +104,10 @@ impl Scenario {
     /// [`BuildError::Unreadable`] if it cannot be read.
     pub fn urdf_text(&self) -> Result<String, BuildError> {
         let path = self.folder().join(&self.settings.vehicle.urdf);
-        std::fs::read_to_string(&path)
-            .map_err(|error| BuildError::Unreadable { file: path.display().to_string(), reason: error.to_string() })
+        std::fs::read_to_string(&path).map_err(|error| BuildError::Unreadable {
+            file: path.display().to_string(),
+            reason: error.to_string(),
+        })
     }
 
     /// What a recording says about a flight of this scenario that starts with `tuning`.
@@ -119,7 +123,8 @@ impl Scenario {
         };
         Ok(RecordingInfo {
             scenario: self.name.clone(),
-            scenario_toml: toml::to_string(&self.settings).map_err(|e| unwritable("scenario")(&e))?,
+            scenario_toml: toml::to_string(&self.settings)
+                .map_err(|e| unwritable("scenario")(&e))?,
             seed: self.settings.seed,
             gains_json: serde_json::to_string(tuning).map_err(|e| unwritable("gains")(&e))?,
             urdf: self.urdf_text()?,

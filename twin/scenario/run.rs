@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::metrics::Metrics;
+use super::settings::TaskKind;
 use super::{BuildError, Judge, Scenario, Verdict};
 use crate::tick::{Event, Tick};
 
@@ -46,7 +47,14 @@ pub fn fly(scenario: &Scenario, watch: &mut dyn FnMut(&Tick)) -> Result<Report, 
         metrics.add(&tick);
         watch(&tick);
         if let Some((verdict, reason)) = judge.watch(&tick) {
-            return Ok(report(scenario, metrics, verdict, reason, tick.measurement.t_s, flight.state_hash()));
+            return Ok(report(
+                scenario,
+                metrics,
+                verdict,
+                reason,
+                tick.measurement.t_s,
+                flight.state_hash(),
+            ));
         }
     }
 }
@@ -60,7 +68,8 @@ fn report(
     hash: u64,
 ) -> Report {
     let settings = &scenario.settings;
-    let metrics = metrics.finish(&settings.task.place_position_m.into());
+    let places = settings.task.kind == TaskKind::PickPlace;
+    let metrics = metrics.finish(places.then(|| settings.task.place_position_m.into()));
     let broken_bounds = broken_bounds(settings, &metrics);
     Report {
         scenario: scenario.name.clone(),
@@ -85,7 +94,8 @@ fn broken_bounds(settings: &super::Settings, metrics: &BTreeMap<String, f64>) ->
         let low = bound.min.is_some_and(|min| *value < min);
         let high = bound.max.is_some_and(|max| *value > max);
         (low || high).then(|| {
-            let text = |limit: Option<f64>| limit.map_or_else(|| "..".to_owned(), |v| format!("{v}"));
+            let text =
+                |limit: Option<f64>| limit.map_or_else(|| "..".to_owned(), |v| format!("{v}"));
             format!("{name} is {value:.4}, allowed {} to {}", text(bound.min), text(bound.max))
         })
     };
@@ -94,5 +104,7 @@ fn broken_bounds(settings: &super::Settings, metrics: &BTreeMap<String, f64>) ->
 
 /// The events of a tick with their time, one line each.
 pub fn event_lines(tick: &Tick) -> impl Iterator<Item = String> + '_ {
-    tick.events.iter().map(|Event { kind, text }| format!("{:8.2} s  {kind:?}: {text}", tick.measurement.t_s))
+    tick.events
+        .iter()
+        .map(|Event { kind, text }| format!("{:8.2} s  {kind:?}: {text}", tick.measurement.t_s))
 }

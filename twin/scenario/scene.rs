@@ -28,11 +28,18 @@ pub(super) fn scene(scenario: &Scenario) -> Result<Scene, BuildError> {
         let shape = Shape::Box { size_m: [settings.payload.size_m; 3] };
         let cube = Geometry { origin: Isometry3::identity(), shape, rgba: PAYLOAD_RGBA };
         let [x, y, z] = settings.payload.position_m;
-        bodies.push(body("payload", true, SceneGroup::Payload, &Isometry3::translation(x, y, z), &[cube]));
+        bodies.push(body(
+            "payload",
+            true,
+            SceneGroup::Payload,
+            &Isometry3::translation(x, y, z),
+            &[cube],
+        ));
     }
     for (object, robot) in settings.arena.objects.iter().zip(&models.objects) {
         let [x, y, z] = object.position_m;
-        let poses = link_poses(robot, &Isometry3::translation(x, y, z), &vec![0.0; robot.joints.len()]);
+        let poses =
+            link_poses(robot, &Isometry3::translation(x, y, z), &vec![0.0; robot.joints.len()]);
         for (link, pose) in robot.links.iter().zip(poses) {
             let name = format!("{}/{}", object.name, link.name);
             bodies.push(body(&name, false, SceneGroup::Arena, &pose, &link.visuals));
@@ -45,14 +52,31 @@ pub(super) fn scene(scenario: &Scenario) -> Result<Scene, BuildError> {
             .vehicle
             .rotors
             .iter()
-            .map(|r| SceneRotor { position_in_body: r.position_m, radius_m: rotor.radius_m, spin: if r.spin < 0.0 { -1 } else { 1 } })
+            .map(|r| SceneRotor {
+                position_in_body: r.position_m,
+                radius_m: rotor.radius_m,
+                spin: if r.spin < 0.0 { -1 } else { 1 },
+            })
             .collect(),
         base_body: models.robot.links[models.robot.root].name.clone(),
     })
 }
 
-fn body(name: &str, moving: bool, group: SceneGroup, pose: &Isometry3<f64>, shapes: &[Geometry]) -> SceneBody {
+fn body(
+    name: &str,
+    moving: bool,
+    group: SceneGroup,
+    pose: &Isometry3<f64>,
+    shapes: &[Geometry],
+) -> SceneBody {
     let q = pose.rotation;
-    let pose = Pose { position: pose.translation.vector.into(), quaternion_wxyz: [q.w, q.i, q.j, q.k] };
-    SceneBody { name: name.to_owned(), moving, group, pose, shapes: shapes.iter().map(Into::into).collect() }
+    let pose =
+        Pose { position: pose.translation.vector.into(), quaternion_wxyz: [q.w, q.i, q.j, q.k] };
+    SceneBody {
+        name: name.to_owned(),
+        moving,
+        group,
+        pose,
+        shapes: shapes.iter().map(Into::into).collect(),
+    }
 }

@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 use super::verdict::Verdict;
 use crate::control::Preset;
 use crate::plant::{
-    AeroSettings, ArenaSettings, ContactSettings, PayloadSettings, PlantSettings, SensorSettings, VehicleSettings,
-    WindSettings,
+    AeroSettings, ArenaSettings, ContactSettings, PayloadSettings, PlantSettings, SensorSettings,
+    VehicleSettings, WindSettings,
 };
 use crate::source::Disturbance;
 use crate::tick::InnerLaw;
@@ -89,6 +89,8 @@ pub enum TaskKind {
     PickPlace,
     /// Hold a posture.
     Hover,
+    /// Fly the transport path only.
+    Path,
 }
 
 /// Where a flight begins.

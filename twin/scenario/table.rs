@@ -61,7 +61,8 @@ fn take<'a>(jobs: &'a [Job], next: &AtomicUsize) -> Option<(usize, &'a Job)> {
 }
 
 fn fly_job(job: &Job) -> Result<Report, String> {
-    let scenario = Scenario::load(&job.file, &job.overrides).map_err(|e: ScenarioError| e.to_string())?;
+    let scenario =
+        Scenario::load(&job.file, &job.overrides).map_err(|e: ScenarioError| e.to_string())?;
     run::fly(&scenario, &mut |_| {}).map_err(|error| error.to_string())
 }
 
@@ -112,13 +113,29 @@ pub fn condense(outcomes: &[Outcome]) -> Vec<Line> {
 }
 
 fn line((row, scenario): &(String, String), reports: &[&Report]) -> Line {
-    let all = |name: &str| -> Vec<f64> { reports.iter().filter_map(|r| r.metrics.get(name).copied()).collect() };
+    let all = |name: &str| -> Vec<f64> {
+        reports.iter().filter_map(|r| r.metrics.get(name).copied()).collect()
+    };
     let mut values = BTreeMap::new();
-    for name in ["rms_error_e8", "rms_error_e8_transport", "transport_speed_m_s", "residual_rmse_z", "persistence_rmse_z"] {
+    for name in [
+        "rms_error_e8",
+        "rms_error_e8_transport",
+        "transport_speed_m_s",
+        "residual_rmse_z",
+        "persistence_rmse_z",
+    ] {
         insert(&mut values, format!("{name}_mean"), mean(&all(name)));
     }
-    insert(&mut values, "transport_speed_m_s_min".into(), all("transport_speed_m_s").into_iter().reduce(f64::min));
-    insert(&mut values, "transport_speed_m_s_max".into(), all("transport_speed_m_s").into_iter().reduce(f64::max));
+    insert(
+        &mut values,
+        "transport_speed_m_s_min".into(),
+        all("transport_speed_m_s").into_iter().reduce(f64::min),
+    );
+    insert(
+        &mut values,
+        "transport_speed_m_s_max".into(),
+        all("transport_speed_m_s").into_iter().reduce(f64::max),
+    );
     for name in ["placement_error_mm", "grasp_slip_mm", "flight_s", "retries", "time_to_grasp_s"] {
         insert(&mut values, format!("{name}_median"), median(all(name)));
         insert(&mut values, format!("{name}_max"), all(name).into_iter().reduce(f64::max));
@@ -134,7 +151,10 @@ fn line((row, scenario): &(String, String), reports: &[&Report]) -> Line {
         completed: reports.iter().filter(|r| r.verdict == Verdict::Completed).count(),
         other_verdicts,
         values,
-        paper_rms_error_e8: PAPER.iter().find(|(name, _)| name == scenario).map(|(_, value)| *value),
+        paper_rms_error_e8: PAPER
+            .iter()
+            .find(|(name, _)| name == scenario)
+            .map(|(_, value)| *value),
     }
 }
 
@@ -187,7 +207,7 @@ mod tests {
         assert_eq!(lines.len(), 2);
         assert_eq!((lines[0].flights, lines[0].completed), (3, 2));
         assert_eq!(lines[0].other_verdicts["Dropped"], 1);
-        assert!((lines[0].values["grasp_slip_mm_median"] - 2.0).abs() < 1e-12);
+        assert_eq!(lines[0].values["grasp_slip_mm_median"].to_bits(), 2.0_f64.to_bits());
         assert_eq!(lines[0].paper_rms_error_e8, Some(0.173));
         assert_eq!(lines[1].paper_rms_error_e8, None);
     }

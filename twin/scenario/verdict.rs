@@ -68,7 +68,10 @@ impl Judge {
         };
         let finite = truth.chi.iter().chain(&truth.chi_dot).all(|x| x.is_finite());
         if !finite {
-            return Some((Verdict::NonFinite, format!("the state became non-finite at {t_s:.2} s")));
+            return Some((
+                Verdict::NonFinite,
+                format!("the state became non-finite at {t_s:.2} s"),
+            ));
         }
         if let Some(end) = lost_vehicle(tick, truth).or_else(|| self.lost_payload(tick, truth)) {
             return Some(end);
@@ -80,11 +83,18 @@ impl Judge {
             return Some(self.finished(truth, t_s));
         }
         (t_s >= self.time_limit_s).then(|| {
-            (Verdict::TimedOut, format!("{:.0} s ran out in phase {:?}", self.time_limit_s, tick.phase))
+            (
+                Verdict::TimedOut,
+                format!("{:.0} s ran out in phase {:?}", self.time_limit_s, tick.phase),
+            )
         })
     }
 
-    fn lost_payload(&mut self, tick: &Tick, truth: &crate::tick::Truth) -> Option<(Verdict, String)> {
+    fn lost_payload(
+        &mut self,
+        tick: &Tick,
+        truth: &crate::tick::Truth,
+    ) -> Option<(Verdict, String)> {
         let carried = tick.reference.transporting && tick.phase != "lift";
         if !carried || self.task != TaskKind::PickPlace {
             self.payload_in_palm = None;
@@ -94,13 +104,20 @@ impl Judge {
         let moved = (truth.payload_in_palm - held).norm();
         (moved > LOST_M).then(|| {
             let t_s = tick.measurement.t_s;
-            (Verdict::Dropped, format!("the payload left the hand in phase {:?} at {t_s:.2} s", tick.phase))
+            (
+                Verdict::Dropped,
+                format!("the payload left the hand in phase {:?} at {t_s:.2} s", tick.phase),
+            )
         })
     }
 
     fn finished(&self, truth: &crate::tick::Truth, t_s: f64) -> (Verdict, String) {
-        if self.task == TaskKind::Hover {
-            return (Verdict::Completed, format!("hovered for {t_s:.1} s"));
+        match self.task {
+            TaskKind::Hover => return (Verdict::Completed, format!("hovered for {t_s:.1} s")),
+            TaskKind::Path => {
+                return (Verdict::Completed, format!("followed the path in {t_s:.1} s"));
+            }
+            TaskKind::PickPlace => {}
         }
         let error_m = (truth.payload_position - self.place).xy().norm();
         let height_m = (truth.payload_position.z - self.place.z).abs();
@@ -117,7 +134,10 @@ impl Judge {
         if good {
             (Verdict::Completed, format!("payload placed {found}"))
         } else {
-            (Verdict::Misplaced, format!("payload ended {found}, {:.0} mm off in height", height_m * 1e3))
+            (
+                Verdict::Misplaced,
+                format!("payload ended {found}, {:.0} mm off in height", height_m * 1e3),
+            )
         }
     }
 }
@@ -127,13 +147,23 @@ fn lost_vehicle(tick: &Tick, truth: &crate::tick::Truth) -> Option<(Verdict, Str
     let t_s = tick.measurement.t_s;
     let tilt = (truth.chi[3].cos() * truth.chi[4].cos()).clamp(-1.0, 1.0).acos();
     if tilt > TIPPED_RAD {
-        return Some((Verdict::Crashed, format!("the vehicle tipped over ({:.0}°) at {t_s:.2} s", tilt.to_degrees())));
+        return Some((
+            Verdict::Crashed,
+            format!("the vehicle tipped over ({:.0}°) at {t_s:.2} s", tilt.to_degrees()),
+        ));
     }
     if truth.collision_force_n > CRASH_N {
         let force = truth.collision_force_n;
-        return Some((Verdict::Crashed, format!("the vehicle hit something with {force:.0} N at {t_s:.2} s")));
+        return Some((
+            Verdict::Crashed,
+            format!("the vehicle hit something with {force:.0} N at {t_s:.2} s"),
+        ));
     }
     let distance = truth.chi.fixed_rows::<3>(0).norm();
-    (distance > ARENA_RADIUS_M)
-        .then(|| (Verdict::FlewAway, format!("the vehicle was {distance:.1} m from the origin at {t_s:.2} s")))
+    (distance > ARENA_RADIUS_M).then(|| {
+        (
+            Verdict::FlewAway,
+            format!("the vehicle was {distance:.1} m from the origin at {t_s:.2} s"),
+        )
+    })
 }

@@ -157,7 +157,7 @@ impl Builder {
         self.add("gripper", "m", "opening_m", "opening", |tick, _| {
             tick.measurement.gripper.opening_m
         });
-        self.add("gripper", "N", "grip_force_n", "grip force", |tick, _| {
+        self.add("gripper", "N", "grip_force_n", "grip force, both pads", |tick, _| {
             tick.truth.as_ref().map_or(f64::NAN, |truth| truth.grip_force_n)
         });
     }

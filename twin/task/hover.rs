@@ -16,7 +16,12 @@ pub struct Hover {
 
 impl Hover {
     /// At `position` (m) with the arm at `joints` (rad) for `duration_s`.
-    pub fn new(position: Vector3<f64>, joints: Vector2<f64>, duration_s: f64, gripper: GripperCommand) -> Self {
+    pub fn new(
+        position: Vector3<f64>,
+        joints: Vector2<f64>,
+        duration_s: f64,
+        gripper: GripperCommand,
+    ) -> Self {
         let posture = Posture::new(position.x, position.y, position.z, 0.0, joints.x, joints.y);
         Self { motion: Motion::new(posture), duration_s, gripper }
     }
@@ -35,7 +40,7 @@ impl Task for Hover {
                 follows_measurement: false,
                 transporting: self.gripper == GripperCommand::Close,
                 cruising: false,
-                release_step: None,
+                release: None,
             },
             phase: "hover",
             events: Vec::new(),

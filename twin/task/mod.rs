@@ -3,15 +3,17 @@
 //! In: measurement and measured residual. Out: [`Step`] with the [`Reference`] of this tick. Tasks see measured signals only,
 //! never the truth.
 
-pub mod quintic;
+pub mod follow;
+pub mod hover;
 pub mod motion;
 pub mod path;
-pub mod hover;
 pub mod pick_place;
+pub mod quintic;
 
 use crate::notation::Coords;
 use crate::tick::{Event, Measurement, Reference};
 
+pub use follow::FollowPath;
 pub use hover::Hover;
 pub use pick_place::{Mission, PickPlace};
 

@@ -39,7 +39,8 @@ impl Motion {
 
     /// Goes to rest at `to` in `duration_s`, from wherever it is moving.
     pub fn go(&mut self, to: Posture, duration_s: f64) {
-        self.mode = Mode::Segment { quintic: Quintic::to_rest(&self.knot, &to, duration_s), t_s: 0.0 };
+        self.mode =
+            Mode::Segment { quintic: Quintic::to_rest(&self.knot, &to, duration_s), t_s: 0.0 };
     }
 
     /// Moves vertically towards `goal_z_m` with at most `speed_m_s`; `speed_m_s = 0` pauses.
@@ -63,7 +64,9 @@ impl Motion {
         match self.mode {
             Mode::Hold => true,
             Mode::Segment { quintic, t_s } => t_s >= quintic.duration_s(),
-            Mode::Ramp { goal_z_m, .. } => (self.knot.value.z - goal_z_m).abs() < 1e-4 && self.knot.rate.z.abs() < 1e-3,
+            Mode::Ramp { goal_z_m, .. } => {
+                (self.knot.value.z - goal_z_m).abs() < 1e-4 && self.knot.rate.z.abs() < 1e-3
+            }
         }
     }
 
@@ -79,7 +82,8 @@ impl Motion {
                 let a = RAMP_ACCELERATION_M_S2;
                 let to_go = *goal_z_m - self.knot.value.z;
                 // Fastest rate from which the goal can be reached at deceleration `a`, one tick looked ahead.
-                let braking = (2.0 * a * (to_go.abs() - self.knot.rate.z.abs() * dt_s).max(0.0)).sqrt();
+                let braking =
+                    (2.0 * a * (to_go.abs() - self.knot.rate.z.abs() * dt_s).max(0.0)).sqrt();
                 let wanted = to_go.signum() * braking.min(*speed_m_s).min(to_go.abs() / dt_s);
                 let change = (wanted - self.knot.rate.z).clamp(-a * dt_s, a * dt_s);
                 let rate = self.knot.rate.z + change;

@@ -9,6 +9,10 @@ use super::quintic::{Knot, Quintic};
 /// Duration of the ramps at both ends of a path, s.
 const RAMP_S: f64 = 1.0;
 
+/// A desired lateral force is applied this much later, s: command filter 2 zeta / omega = 0.12, rotors 0.045, low-pass on
+/// `r_hat` 0.03. On a known path it can be asked for as much earlier.
+const LATERAL_LAG_S: f64 = 0.2;
+
 /// Points of the arc-length table.
 const TABLE: usize = 4000;
 
@@ -49,7 +53,8 @@ impl Curve {
             Self::S { from, length_m, sway_m, rise_m, bob_m } => {
                 let (s, c) = (TAU * u).sin_cos();
                 [
-                    Vector3::from(from) + Vector3::new(length_m * u, sway_m * s, rise_m * u + bob_m * s),
+                    Vector3::from(from)
+                        + Vector3::new(length_m * u, sway_m * s, rise_m * u + bob_m * s),
                     Vector3::new(length_m, sway_m * TAU * c, rise_m + bob_m * TAU * c),
                     Vector3::new(0.0, sway_m, bob_m) * (-TAU * TAU * s),
                 ]
@@ -124,6 +129,14 @@ impl TimedPath {
         Knot { value: p, rate: p_u * u_dot, acceleration: p_u * u_ddot + p_uu * (u_dot * u_dot) }
     }
 
+    /// The path at `t_s` with its lateral acceleration taken [`LATERAL_LAG_S`] earlier; position and rate are not.
+    pub fn with_lead(&self, t_s: f64) -> Knot<3> {
+        let mut knot = self.at(t_s);
+        let ahead = self.at(t_s + LATERAL_LAG_S).acceleration;
+        (knot.acceleration.x, knot.acceleration.y) = (ahead.x, ahead.y);
+        knot
+    }
+
     /// Arc length, speed and tangential acceleration: the ramp's speed is a quintic from 0 to cruise.
     fn arc_at(&self, t_s: f64) -> (f64, f64, f64) {
         let (v, ramp, total) = (self.speed_m_s, self.ramp_s, self.duration_s());
@@ -157,7 +170,13 @@ mod tests {
 
     fn curves() -> [Curve; 2] {
         [
-            Curve::S { from: [-1.5, 0.0, 1.0], length_m: 3.0, sway_m: 0.5, rise_m: 0.3, bob_m: 0.2 },
+            Curve::S {
+                from: [-1.5, 0.0, 1.0],
+                length_m: 3.0,
+                sway_m: 0.5,
+                rise_m: 0.3,
+                bob_m: 0.2,
+            },
             Curve::FigureEight { centre: [0.0, 0.0, 1.25], a_m: 1.2, b_m: 0.6, laps: 2.0 },
         ]
     }
@@ -191,7 +210,11 @@ mod tests {
                 let t = path.duration_s() * f64::from(i) / 100.0;
                 let (a, b, c) = (path.at(t - h), path.at(t), path.at(t + h));
                 assert!(((c.value - a.value) / (2.0 * h) - b.rate).norm() < TABLE_TOLERANCE);
-                assert!(((c.rate - a.rate) / (2.0 * h) - b.acceleration).norm() < 10.0 * TABLE_TOLERANCE, "at {t}");
+                assert!(
+                    ((c.rate - a.rate) / (2.0 * h) - b.acceleration).norm()
+                        < 10.0 * TABLE_TOLERANCE,
+                    "at {t}"
+                );
             }
         }
     }

@@ -1,4 +1,5 @@
 // The console: one store fed by one link, three views on it, one frame loop.
+import { handReading } from "./panels/handReading";
 import { Store } from "./data/store";
 import { installHooks } from "./hooks";
 import { clockMs, Link } from "./link/link";
@@ -30,14 +31,16 @@ const charts = new ChartColumn(store, palette, world?.software ?? true);
 const gains = new GainPanel((request) => link.send(request));
 const log = new EventLog();
 const bar = new TopBar(store, link);
-const fit = cameraButtons(world);
+const cameras = cameraButtons(() => world);
 startKeys({
   pause: () => bar.togglePause(),
   step: () => bar.step(),
   restart: () => bar.restart(),
   undo: () => gains.undo(),
   redo: () => gains.redo(),
-  fit,
+  overview: cameras.overview,
+  follow: cameras.follow,
+  hand: cameras.hand,
 });
 installHooks(store, link, gains, () => world);
 let retryAt = 0;
@@ -49,7 +52,7 @@ requestAnimationFrame(frame);
 
 function buildWorld(): World | null {
   try {
-    return new World(byId<HTMLCanvasElement>("scene"), palette);
+    return new World(byId<HTMLCanvasElement>("scene"), byId("hand"), palette, () => cameras.show());
   } catch (error) {
     notify("error", `no 3-D view, because this browser offers no WebGL 2 (${error instanceof Error ? error.message : "unknown reason"}); charts and gains work`);
     return null;
@@ -69,6 +72,7 @@ function message(received: ServerMessage): void {
       return gains.replace(received);
     case "events":
       store.addEvents(received.events);
+      bar.show();
       return log.add(received.events);
     case "notice":
       if (received.level !== "info") gains.refused();
@@ -121,6 +125,7 @@ function readings(): void {
   const stale = link.health.stale(clockMs(), flying);
   document.body.dataset["stale"] = String(stale);
   bar.readings(stale);
+  setText(byId("hand-reading"), handReading(store));
   const banner = byId("link-banner");
   banner.hidden = !stale;
   if (!stale) return;

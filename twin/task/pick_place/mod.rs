@@ -4,10 +4,10 @@
 //! moment when the tip is centred *and will stay so* for the time the fingers need, and trying again when it was missed, is
 //! what makes the grasp reliable. Phases advance on conditions; every phase has a time-out that goes back or gives up.
 
-mod signals;
 mod phase;
 mod pick;
 mod place;
+mod signals;
 
 use nalgebra::{Vector2, Vector3};
 
@@ -62,10 +62,11 @@ pub struct PickPlace {
     cube: Vector3<f64>,
     /// Cube centre minus tip while carried, m: corrects where the tip must go to place the cube.
     cube_from_tip: Vector3<f64>,
-    /// Residual with empty hand above the cube, with the payload, and just before the plunge onto the table.
+    /// Residual with empty hand above the cube, with the payload, just before the plunge onto the table, and its mean there.
     r_empty: Coords,
     r_loaded: Coords,
     r_before_plunge: Coords,
+    r_above_place: Coords,
     /// Running mean of the phase.
     mean: Mean,
     finished: bool,
@@ -108,10 +109,11 @@ impl PickPlace {
             r_empty: Coords::zeros(),
             r_loaded: Coords::zeros(),
             r_before_plunge: Coords::zeros(),
+            r_above_place: Coords::zeros(),
             mean: Mean::default(),
             finished: false,
             gave_up: None,
-            events: Vec::new(),
+            events: vec![Event::new(EventKind::Phase, Phase::Settle.sentence())],
             mission,
         }
     }
@@ -145,7 +147,8 @@ impl PickPlace {
     /// Where the tip is meant to be now, from the reference.
     fn tip_reference(&self) -> Vector3<f64> {
         let p = self.motion.posture();
-        Vector3::new(p[0], p[1], p[2]) + self.arm.tool_in_body(&Vector2::new(p[4], p[5])).translation.vector
+        Vector3::new(p[0], p[1], p[2])
+            + self.arm.tool_in_body(&Vector2::new(p[4], p[5])).translation.vector
     }
 
     /// Ends the task without success.
@@ -154,7 +157,7 @@ impl PickPlace {
         self.finished = true;
     }
 
-    fn reference(&self, release_step: Option<Coords>) -> Reference {
+    fn reference(&self, release: Option<Coords>) -> Reference {
         let (chi_des, chi_des_dot, chi_des_ddot) = self.motion.coordinates();
         Reference {
             chi_des,
@@ -165,7 +168,7 @@ impl PickPlace {
             follows_measurement: matches!(self.phase, Phase::Touchdown | Phase::Open),
             transporting: self.phase.transports(),
             cruising: self.phase == Phase::Carry && self.path.cruising(self.phase_s),
-            release_step,
+            release,
         }
     }
 
@@ -173,7 +176,9 @@ impl PickPlace {
         match self.phase {
             Phase::Plunge | Phase::Dwell | Phase::Close => Adaptation::Bounded,
             Phase::Touchdown | Phase::Open => Adaptation::Held,
-            Phase::Retreat if self.phase_s < place::HOLD_AFTER_OPENING_S - place::OPEN_S => Adaptation::Held,
+            Phase::Retreat if self.phase_s < place::HOLD_AFTER_OPENING_S - place::OPEN_S => {
+                Adaptation::Held
+            }
             _ => Adaptation::Free,
         }
     }
@@ -184,14 +189,18 @@ impl Task for PickPlace {
         self.signals.update(view, &self.arm, dt_s);
         self.phase_s += dt_s;
         let before = self.phase;
-        if self.phase.picks() { self.pick(view, dt_s) } else { self.place(view, dt_s) }
+        if self.phase.picks() {
+            self.pick(view, dt_s);
+        } else {
+            self.place(view, dt_s);
+        }
         let opened = before == Phase::Touchdown && self.phase == Phase::Open;
         if !matches!(self.phase, Phase::Touchdown | Phase::Open) {
             self.motion.step(dt_s);
         }
-        let release_step = opened.then(|| self.release_step());
+        let release = opened.then(|| self.residual_without_payload());
         Step {
-            reference: self.reference(release_step),
+            reference: self.reference(release),
             phase: self.phase.name(),
             events: std::mem::take(&mut self.events),
             finished: self.finished,

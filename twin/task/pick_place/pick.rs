@@ -18,8 +18,9 @@ const SETTLE_S: f64 = 3.0;
 const APPROACH_S: f64 = 3.0;
 const DESCEND_M_S: f64 = 0.06;
 const PLUNGE_M_S: f64 = 0.15;
-const LIFT_M: f64 = 0.6;
-const LIFT_S: f64 = 4.0;
+/// The cube is lifted to where the empty hand was aligned: payload and empty hand are weighed in the same ground effect.
+const LIFT_M: f64 = ALIGN_ABOVE_M;
+const LIFT_S: f64 = 2.0;
 const LIFT_HOLD_S: f64 = 1.0;
 const WEIGH_S: f64 = 1.0;
 const RETRY_CLIMB_S: f64 = 1.5;
@@ -30,6 +31,8 @@ const ALIGN_SPEED_M_S: f64 = 0.06;
 const DESCEND_PAUSE_M: f64 = 0.030;
 const DESCEND_WINDOW_M: f64 = 0.008;
 const DWELL_WINDOW_M: [f64; 3] = [0.012, 0.015, 0.012];
+/// A finger is about to lean on the cube when less than this is left of its clearance, m; leaning winds the residual up.
+const LEAN_M: f64 = 0.006;
 const CLOSED_SPEED_M_S: f64 = 0.002;
 
 const ALIGN_TIMEOUT_S: f64 = 25.0;
@@ -38,7 +41,7 @@ const DWELL_TIMEOUT_S: f64 = 4.0;
 const CLOSE_TIMEOUT_S: f64 = 3.0;
 
 /// Residual change that means the hand stands on something, N: horizontally and vertically.
-const CONTACT_N: [f64; 2] = [4.0, 5.0];
+const CONTACT_N: [f64; 2] = [2.0, 4.0];
 
 impl PickPlace {
     pub(super) fn pick(&mut self, view: &View<'_>, dt_s: f64) {
@@ -104,7 +107,8 @@ impl PickPlace {
         let speed = if e.xy().norm() > DESCEND_PAUSE_M { 0.0 } else { DESCEND_M_S };
         self.motion.ramp(self.base_z(target.z), speed);
         let w = DESCEND_WINDOW_M;
-        let inside = e.x.abs() < w && e.y.abs() < w && ahead.x.abs() < 1.5 * w && ahead.y.abs() < 1.5 * w;
+        let inside =
+            e.x.abs() < w && e.y.abs() < w && ahead.x.abs() < 1.5 * w && ahead.y.abs() < 1.5 * w;
         let centred = self.motion.arrived() && inside && self.signals.speed() < 0.05;
         if self.held(centred, 0.05, dt_s) {
             self.motion.ramp(self.base_z(self.grip_point().z), PLUNGE_M_S);
@@ -114,10 +118,14 @@ impl PickPlace {
         }
     }
 
+    /// Free play of the cube between the open pads on each side, m.
+    fn clearance(&self) -> f64 {
+        0.5 * (self.mission.opening_m - self.mission.cube_size_m)
+    }
+
     fn plunge(&mut self) {
         let (e, _) = self.signals.errors(&self.grip_point());
-        let clearance = 0.5 * (self.mission.opening_m - self.mission.cube_size_m) - 0.003;
-        if e.y.abs() > clearance && e.z > 0.020 {
+        if e.y.abs() > self.clearance() - 0.003 && e.z > 0.020 {
             self.retry("the hand drifted off the cube while plunging");
         } else if self.motion.arrived() {
             self.enter(Phase::Dwell);
@@ -128,13 +136,15 @@ impl PickPlace {
 
     fn dwell(&mut self, dt_s: f64) {
         let (e, ahead) = self.signals.errors(&self.grip_point());
-        let inside = (0..3).all(|i| e[i].abs() < DWELL_WINDOW_M[i] && ahead[i].abs() < DWELL_WINDOW_M[i]);
+        let inside =
+            (0..3).all(|i| e[i].abs() < DWELL_WINDOW_M[i] && ahead[i].abs() < DWELL_WINDOW_M[i]);
         let push = self.signals.r - self.r_empty;
+        let leaning = e.y.abs() > self.clearance() - LEAN_M;
         let contact = push[0].hypot(push[1]) > CONTACT_N[0]
             || (self.signals.r[2] - self.signals.r_slow[2]).abs() > CONTACT_N[1];
         if self.held(inside && self.signals.speed() < ALIGN_SPEED_M_S, 0.1, dt_s) {
             self.enter(Phase::Close);
-        } else if contact {
+        } else if contact || leaning {
             self.retry("the hand touched box or cube");
         } else if self.phase_s > DWELL_TIMEOUT_S {
             self.retry("no centred moment around the cube");
@@ -145,7 +155,9 @@ impl PickPlace {
         let gripper = view.measurement.gripper;
         let still = gripper.speed_m_s.abs() < 2.0 * CLOSED_SPEED_M_S && self.phase_s > 0.1;
         if self.held(still, 0.15, dt_s) {
-            if gripper.opening_m > 0.3 * self.mission.cube_size_m && gripper.opening_m < 0.95 * self.mission.opening_m {
+            if gripper.opening_m > 0.3 * self.mission.cube_size_m
+                && gripper.opening_m < 0.95 * self.mission.opening_m
+            {
                 let mut up = self.motion.posture();
                 up.z += LIFT_M;
                 self.motion.go(up, LIFT_S);
@@ -189,7 +201,8 @@ impl PickPlace {
         self.events.push(Event::new(EventKind::Grasp, format!("payload feels like {grams:.0} g")));
         let start = self.path.start();
         let q = self.mission.transit_joints;
-        self.motion.go(Posture::new(start.x, start.y, start.z, 0.0, q.x, q.y), super::place::FOLD_S);
+        self.motion
+            .go(Posture::new(start.x, start.y, start.z, 0.0, q.x, q.y), super::place::FOLD_S);
         self.enter(Phase::Fold);
     }
 
@@ -200,7 +213,10 @@ impl PickPlace {
             self.give_up(format!("no grasp after {} attempts: {why}", self.retries));
             return;
         }
-        self.events.push(Event::new(EventKind::Retry, format!("attempt {} given up: {why}", self.retries)));
+        self.events.push(Event::new(
+            EventKind::Retry,
+            format!("attempt {} given up: {why}", self.retries),
+        ));
         if let Some(cube) = self.signals.cube {
             self.cube = cube;
         }

@@ -12,9 +12,6 @@ use crate::tick::{Event, EventKind};
 pub(super) const FOLD_S: f64 = 2.5;
 const FOLD_HOLD_S: f64 = 0.5;
 const CARRY_HOLD_S: f64 = 0.5;
-/// A desired lateral force is applied this much later: command filter 2 zeta / omega = 0.12 s, rotors 0.045 s, low-pass on
-/// `r_hat` 0.03 s. On a known path the acceleration of the reference is taken as much earlier; position and rate are not.
-const LATERAL_LAG_S: f64 = 0.2;
 const EXTEND_S: f64 = 3.5;
 const PLACE_ALIGN_ABOVE_M: f64 = 0.120;
 /// Gap between cube and surface where the last plunge begins, m: small and quick gives the smallest placing error.
@@ -59,7 +56,9 @@ impl PickPlace {
                 self.events.push(Event::new(EventKind::Release, "payload put down"));
                 self.enter(Phase::Open);
             }
-            Phase::Open if self.phase_s >= OPEN_S => self.climb(Phase::Retreat, RETREAT_M, RETREAT_S),
+            Phase::Open if self.phase_s >= OPEN_S => {
+                self.climb(Phase::Retreat, RETREAT_M, RETREAT_S);
+            }
             Phase::Retreat if self.motion.arrived() => self.climb(Phase::Leave, LEAVE_M, LEAVE_S),
             Phase::Leave if self.motion.arrived() => self.enter(Phase::Rest),
             Phase::Rest if self.phase_s >= REST_S => self.finished = true,
@@ -73,9 +72,7 @@ impl PickPlace {
     }
 
     fn carry(&mut self) {
-        let mut knot = self.path.at(self.phase_s);
-        let ahead = self.path.at(self.phase_s + LATERAL_LAG_S).acceleration;
-        (knot.acceleration.x, knot.acceleration.y) = (ahead.x, ahead.y);
+        let knot = self.path.with_lead(self.phase_s);
         let q = self.mission.transit_joints;
         let lift = |v: &Vector3<f64>| Posture::new(v.x, v.y, v.z, 0.0, 0.0, 0.0);
         let posture = Posture::new(0.0, 0.0, 0.0, 0.0, q.x, q.y);
@@ -116,7 +113,9 @@ impl PickPlace {
         let inside = (0..2).all(|i| e[i].abs() < WAIT_WINDOW_M && ahead[i].abs() < WAIT_AHEAD_M);
         if self.held(inside && self.signals.speed() < WAIT_SPEED_M_S, 0.05, dt_s) {
             self.r_before_plunge = self.signals.r;
-            self.motion.ramp(self.base_z(self.tip_above_place(-BELOW_CONTACT_M).z), PLACE_PLUNGE_M_S);
+            self.r_above_place = self.signals.r_slow;
+            self.motion
+                .ramp(self.base_z(self.tip_above_place(-BELOW_CONTACT_M).z), PLACE_PLUNGE_M_S);
             self.enter(Phase::PlacePlunge);
         } else if self.phase_s > WAIT_TIMEOUT_S {
             self.back_above_place("no centred moment above the place");
@@ -140,7 +139,10 @@ impl PickPlace {
     fn back_above_place(&mut self, why: &str) {
         self.retries += 1;
         if self.retries > self.mission.retry_limit {
-            self.give_up(format!("the cube could not be placed after {} attempts: {why}", self.retries));
+            self.give_up(format!(
+                "the cube could not be placed after {} attempts: {why}",
+                self.retries
+            ));
             return;
         }
         self.events.push(Event::new(EventKind::Retry, format!("placing tried again: {why}")));
@@ -156,12 +158,12 @@ impl PickPlace {
         self.enter(phase);
     }
 
-    /// What the residual loses with the payload: the step measured at the pick, backwards, on the rows that carry weight.
-    pub(super) fn release_step(&self) -> Coords {
+    /// The residual hovering above the place, less what the payload added at the pick on the rows that carry weight.
+    pub(super) fn residual_without_payload(&self) -> Coords {
         let mut step = self.r_empty - self.r_loaded;
         for row in [0, 1, 5] {
             step[row] = 0.0;
         }
-        step
+        self.r_above_place + step
     }
 }

@@ -69,6 +69,12 @@ export class Store {
   /** Simulated time at the end of `tick`, s. */
   timeOf = (tick: number): number => (tick + 1) * (this.hello?.tick_s ?? 0.01);
 
+  /** What the task is doing, in plain words where an event gave them. */
+  phaseText(): string {
+    const said = this.events.filter(({ kind }) => kind === "phase").at(-1);
+    return said?.text ?? this.state?.task_phase.replaceAll("_", " ") ?? "";
+  }
+
   channel(name: string): ChannelInfo | undefined {
     const index = this.columns.get(name);
     return index === undefined ? undefined : this.hello?.channels[index];

@@ -1,26 +1,44 @@
 // Camera buttons over the 3-D view.
+import type { CameraMode } from "../scene/camera";
 import type { World } from "../scene/world";
 import { byId } from "./dom";
 
-/** Connects the buttons; returns the action of "Fit". */
-export function cameraButtons(world: World | null): () => void {
+export interface CameraActions {
+  overview(): void;
+  follow(): void;
+  hand(): void;
+  /** Shows which camera is in use. */
+  show(): void;
+}
+
+/** Connects the buttons; returns what they do. */
+export function cameraButtons(world: () => World | null): CameraActions {
+  const overview = byId("camera-overview");
   const follow = byId("camera-follow");
-  const orbit = byId("camera-orbit");
+  const hand = byId("camera-hand");
   const show = (): void => {
-    follow.ariaPressed = String(world?.mode === "follow");
-    orbit.ariaPressed = String(world?.mode === "orbit");
+    overview.ariaPressed = String(world()?.mode === "overview");
+    follow.ariaPressed = String(world()?.mode === "follow");
+    hand.ariaPressed = String(world()?.handShown ?? false);
   };
-  const choose = (mode: World["mode"]): void => {
-    if (world !== null) world.mode = mode;
+  const choose = (mode: CameraMode): void => {
+    const shown = world();
+    if (shown !== null) shown.mode = mode;
     show();
   };
-  const fit = (): void => {
-    world?.fit();
-    show();
+  const actions = {
+    overview: () => choose("overview"),
+    follow: () => choose("follow"),
+    hand: () => {
+      const shown = world();
+      if (shown !== null) shown.handShown = !shown.handShown;
+      show();
+    },
+    show,
   };
-  follow.addEventListener("click", () => choose("follow"));
-  orbit.addEventListener("click", () => choose("orbit"));
-  byId("camera-fit").addEventListener("click", fit);
-  choose(matchMedia("(prefers-reduced-motion: reduce)").matches ? "orbit" : "follow");
-  return fit;
+  overview.addEventListener("click", actions.overview);
+  follow.addEventListener("click", actions.follow);
+  hand.addEventListener("click", actions.hand);
+  show();
+  return actions;
 }

@@ -27,9 +27,17 @@ const AT_THE_END_PX = 24;
 export class EventLog {
   private readonly list = byId("events");
   private last: EventInfo | null = null;
+  /** Until the operator scrolls back; a change of the list's size is not the operator. */
+  private following = true;
+
+  constructor() {
+    this.list.addEventListener("scroll", () => (this.following = this.atTheEnd()));
+    new ResizeObserver(() => this.follow()).observe(this.list);
+  }
 
   rebuild(events: EventInfo[]): void {
     this.list.replaceChildren();
+    this.following = true;
     this.last = null;
     if (events.length === 0) this.list.append(element("li", { className: "empty", textContent: "No events yet." }));
     this.add(events);
@@ -38,14 +46,21 @@ export class EventLog {
   add(events: EventInfo[]): void {
     if (events.length === 0) return;
     this.list.querySelector(".empty")?.remove();
-    const following = this.list.scrollHeight - this.list.scrollTop - this.list.clientHeight < AT_THE_END_PX;
     for (const event of events) {
       if (this.last !== null && continues(this.last, event)) this.list.lastElementChild?.remove();
       this.list.append(line(event));
       this.last = event;
     }
     while (this.list.childElementCount > KEPT_LINES) this.list.firstElementChild?.remove();
-    if (following) this.list.scrollTop = this.list.scrollHeight;
+    this.follow();
+  }
+
+  private follow(): void {
+    if (this.following) this.list.scrollTop = this.list.scrollHeight;
+  }
+
+  private atTheEnd(): boolean {
+    return this.list.scrollHeight - this.list.scrollTop - this.list.clientHeight < AT_THE_END_PX;
   }
 }
 

@@ -7,7 +7,9 @@ export interface KeyActions {
   restart(): void;
   undo(): void;
   redo(): void;
-  fit(): void;
+  overview(): void;
+  follow(): void;
+  hand(): void;
 }
 
 const KEYS: [string[], string][] = [
@@ -16,7 +18,9 @@ const KEYS: [string[], string][] = [
   [["R"], "restart the flight"],
   [["Ctrl", "Z"], "undo the last gain change"],
   [["Ctrl", "Shift", "Z"], "do it again"],
-  [["F"], "show everything"],
+  [["F"], "camera: the whole task"],
+  [["V"], "camera: beside the vehicle"],
+  [["H"], "close-up of the hand on or off"],
   [["?"], "this help"],
   [["↑", "↓"], "in a number field: one step, with Shift ten"],
 ];
@@ -52,7 +56,9 @@ function actionOf(event: KeyboardEvent, actions: KeyActions, help: () => void): 
   if (event.repeat) return null;
   if (event.code === "Space") return usesSpace(target) ? null : actions.pause;
   if (event.code === "KeyR") return actions.restart;
-  return event.code === "KeyF" ? actions.fit : null;
+  if (event.code === "KeyF") return actions.overview;
+  if (event.code === "KeyV") return actions.follow;
+  return event.code === "KeyH" ? actions.hand : null;
 }
 
 /** The field holds text the browser itself can undo. */

@@ -10,6 +10,7 @@ export interface Palette {
   fourth: string;
   sky: string;
   floor: string;
+  ground3d: string;
   panel: string;
 }
 
@@ -33,6 +34,7 @@ export function readPalette(): Palette {
     fourth: value("fourth"),
     sky: value("sky"),
     floor: value("floor"),
+    ground3d: value("ground-3d"),
     panel: value("panel"),
   };
 }

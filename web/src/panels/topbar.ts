@@ -4,6 +4,8 @@ import { clockMs, type Link } from "../link/link";
 import type { StateInfo } from "../protocol";
 import { byId, option, setText } from "./dom";
 
+/** The only verdict that is a success. */
+const COMPLETED = "completed";
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5];
 const PHASES: Record<StateInfo["phase"], { text: string; tone: string }> = {
   flying: { text: "● flying", tone: "good" },
@@ -63,8 +65,8 @@ export class TopBar {
     badge("phase", text, tone);
     const verdict = byId("verdict");
     verdict.hidden = state.verdict === null;
-    if (state.verdict !== null) badge("verdict", verdictText(state.verdict), state.verdict === "passed" ? "good" : "bad");
-    const detail = state.reason ?? state.task_phase;
+    if (state.verdict !== null) badge("verdict", verdictText(state.verdict), state.verdict === COMPLETED ? "good" : "bad");
+    const detail = state.reason ?? this.store.phaseText();
     setText(byId("task-phase"), detail);
     byId("task-phase").title = detail;
     const flying = state.phase === "flying";
@@ -107,7 +109,7 @@ function badge(id: string, text: string, tone: string): void {
 }
 
 function verdictText(verdict: string): string {
-  return `${verdict === "passed" ? "✓" : "✕"} ${verdict}`;
+  return `${verdict === COMPLETED ? "✓" : "✕"} ${verdict}`;
 }
 
 function ageText(ms: number): string {

@@ -175,6 +175,7 @@ function axisText(value: number): string {
   return text.replace("-", "−").replace("e+", "e");
 }
 
+/** A logarithm has no place for zero, yet zero is a value: no point there, and no mark for an unknown one. */
 function positive(values: Sample[]): Sample[] {
-  return values.map((value) => (typeof value === "number" && value <= 0 ? null : value));
+  return values.map((value) => (typeof value === "number" && value <= 0 ? undefined : value));
 }

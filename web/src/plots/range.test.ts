@@ -33,6 +33,12 @@ describe("decadeRange", () => {
     expect(decadeRange(null, [3, 250])).toEqual([1, 1000]);
     expect(decadeRange(null, [10, 10])).toEqual([10, 100]);
   });
+
+  it("grows at once, and shrinks only when two decades are to spare", () => {
+    expect(decadeRange([1, 10], [0.9, 5])).toEqual([0.1, 10]);
+    expect(decadeRange([0.1, 10], [1.1, 5])).toEqual([0.1, 10]);
+    expect(decadeRange([0.1, 100], [1.1, 5])).toEqual([1, 10]);
+  });
 });
 
 describe("numbers", () => {

@@ -6,6 +6,8 @@ export type Bounds = [number, number];
 
 const SHRINK_BELOW = 0.33;
 const PADDING = 0.08;
+/** Decades a logarithmic range keeps although no value needs them: a value on the edge of one must not rock the axis. */
+const SPARE_DECADES = 1;
 
 /** Smallest and largest value of `series`, of the positive ones alone if asked; null if there is none. */
 export function boundsOf(series: Sample[][], positiveOnly: boolean): Bounds | null {
@@ -40,6 +42,10 @@ export function decadeRange(previous: Bounds | null, bounds: Bounds | null): Bou
   if (bounds === null) return previous ?? [1, 10];
   const low = Math.floor(Math.log10(bounds[0]) + 1e-9);
   const high = Math.max(low + 1, Math.ceil(Math.log10(bounds[1]) - 1e-9));
+  if (previous !== null && previous[0] <= bounds[0] && bounds[1] <= previous[1]) {
+    const spare = Math.round(Math.log10(previous[1] / previous[0])) - (high - low);
+    if (spare <= SPARE_DECADES) return previous;
+  }
   return [10 ** low, 10 ** high];
 }
 

@@ -46,8 +46,9 @@ export function chartSpecs(row: string): ChartSpec[] {
     {
       key: "innovation",
       title: "Innovation",
+      logarithmic: true,
       resetIcon: true,
-      smallestSpan: 0.5,
+      smallestSpan: 1,
       series: [
         { channel: "innovation_mean", label: "mean", color: "estimate" },
         { channel: "reset_threshold", label: "δ", color: "setpoint", dash: [6, 4], stepped: true },

@@ -1,11 +1,15 @@
 // Everything that hello.scene describes: bodies, rotor discs, the payload and the ghost of the reference.
 import { CircleGeometry, Color, DoubleSide, Group, Mesh, MeshBasicMaterial, MeshLambertMaterial, RingGeometry } from "three";
 import type { Scene, SceneRotor } from "../protocol";
+import { MARKS_LAYER } from "./layers";
 import { dispose, meshOf, place } from "./shapes";
 
 const POSE_FLOATS = 7;
 const GHOST_ALPHA = 0.35;
-const DISC_ALPHA = 0.22;
+/** From this far off its reference on the ghost is drawn in full; nearer it would only tint the vehicle, m. */
+const GHOST_FULL_M = 0.15;
+const DISC_ALPHA = 0.1;
+const RIM_ALPHA = 0.45;
 
 export interface DrawnPose {
   position: number[];
@@ -18,6 +22,9 @@ export class Bodies {
   private readonly named = new Map<string, Group>();
   private readonly moving: Group[] = [];
   private readonly base: Group | undefined;
+  private readonly ghostMaterial: MeshLambertMaterial;
+  private readonly discMaterial: MeshBasicMaterial;
+  private readonly rimMaterial: MeshBasicMaterial;
 
   constructor(scene: Scene, ghostColor: string, discColor: string) {
     for (const body of scene.bodies) {
@@ -30,8 +37,12 @@ export class Bodies {
       if (body.moving) this.moving.push(group);
     }
     this.base = this.named.get(scene.base_body);
-    scene.rotors.forEach((rotor) => this.base?.add(disc(rotor, discColor)));
+    this.discMaterial = glass(discColor, DISC_ALPHA);
+    this.rimMaterial = glass(discColor, RIM_ALPHA);
+    scene.rotors.forEach((rotor) => this.base?.add(disc(rotor, this.discMaterial), rim(rotor, this.rimMaterial)));
+    this.ghostMaterial = new MeshLambertMaterial({ color: new Color(ghostColor), opacity: GHOST_ALPHA, transparent: true, depthWrite: false });
     this.buildGhost(scene, ghostColor);
+    this.ghost.traverse((part) => part.layers.set(MARKS_LAYER));
     this.root.add(this.ghost);
   }
 
@@ -39,6 +50,18 @@ export class Bodies {
   update(poses: Float32Array, reference: Float32Array): void {
     this.moving.forEach((group, index) => setPose(group, poses, index * POSE_FLOATS));
     this.ghost.visible = setPose(this.ghost, reference, 0);
+    const off = this.base === undefined ? GHOST_FULL_M : this.ghost.position.distanceTo(this.base.position);
+    this.ghostMaterial.opacity = GHOST_ALPHA * Math.min(1, off / GHOST_FULL_M);
+  }
+
+  recolor(discColor: string): void {
+    this.discMaterial.color.set(discColor);
+    this.rimMaterial.color.set(discColor);
+  }
+
+  /** The body called `name`. */
+  body(name: string | undefined): Group | undefined {
+    return name === undefined ? undefined : this.named.get(name);
   }
 
   /** The vehicle's root body. */
@@ -62,9 +85,9 @@ export class Bodies {
   private buildGhost(scene: Scene, color: string): void {
     this.ghost.visible = false;
     const root = scene.bodies.find((body) => body.name === scene.base_body);
-    const material = new MeshLambertMaterial({ color: new Color(color), opacity: GHOST_ALPHA, transparent: true, depthWrite: false });
-    root?.shapes.forEach((shape) => this.ghost.add(meshOf(shape, material)));
-    scene.rotors.forEach((rotor) => this.ghost.add(rim(rotor, color, GHOST_ALPHA)));
+    root?.shapes.forEach((shape) => this.ghost.add(meshOf(shape, this.ghostMaterial)));
+    const material = glass(color, GHOST_ALPHA);
+    scene.rotors.forEach((rotor) => this.ghost.add(rim(rotor, material)));
   }
 }
 
@@ -78,20 +101,18 @@ function setPose(object: Group, values: Float32Array, offset: number): boolean {
   return true;
 }
 
-function disc(rotor: SceneRotor, color: string): Group {
-  const group = new Group();
-  group.position.set(...rotor.position_in_body);
-  const material = new MeshBasicMaterial({ color: new Color(color), opacity: DISC_ALPHA, transparent: true, depthWrite: false, side: DoubleSide });
-  group.add(new Mesh(new CircleGeometry(rotor.radius_m, 32), material));
-  const edge = rim(rotor, color, 0.7);
-  edge.position.set(0, 0, 0);
-  group.add(edge);
-  return group;
+function glass(color: string, opacity: number): MeshBasicMaterial {
+  return new MeshBasicMaterial({ color: new Color(color), opacity, transparent: true, depthWrite: false, side: DoubleSide });
 }
 
-function rim(rotor: SceneRotor, color: string, opacity: number): Mesh {
-  const material = new MeshBasicMaterial({ color: new Color(color), opacity, transparent: true, depthWrite: false, side: DoubleSide });
-  const mesh = new Mesh(new RingGeometry(rotor.radius_m * 0.94, rotor.radius_m, 40), material);
-  mesh.position.set(...rotor.position_in_body);
+function disc({ radius_m, position_in_body }: SceneRotor, material: MeshBasicMaterial): Mesh {
+  const mesh = new Mesh(new CircleGeometry(radius_m, 32), material);
+  mesh.position.set(...position_in_body);
+  return mesh;
+}
+
+function rim({ radius_m, position_in_body }: SceneRotor, material: MeshBasicMaterial): Mesh {
+  const mesh = new Mesh(new RingGeometry(radius_m * 0.96, radius_m, 40), material);
+  mesh.position.set(...position_in_body);
   return mesh;
 }

@@ -1,30 +1,41 @@
-// The camera: orbits a point, which either stays or travels with the vehicle.
-import { Box3, type Object3D, PerspectiveCamera, Vector3 } from "three";
+// The main camera: stands still and shows the whole task, travels with the vehicle, or stays where the operator put it.
+import { PerspectiveCamera, Vector3 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { fitView, isInView } from "./framing";
+import { MARKS_LAYER } from "./layers";
 
-export type CameraMode = "follow" | "orbit";
+export type CameraMode = "overview" | "follow" | "free";
 
-const FIELD_OF_VIEW_DEG = 45;
-/** Where the camera stands from the vehicle at first, m. */
-const FIRST_OFFSET = new Vector3(-1.9, -2.0, 1.25);
-/** Larger things (a floor, walls) do not count when everything is to be shown, m. */
-const FIT_WITHIN_M = 5;
+const FIELD_OF_VIEW_DEG = 40;
+/** From where the overview looks: behind the pick, beside the way to the place, so that near and far fit one picture. */
+const OVERVIEW_DIRECTION = new Vector3(-0.62, -0.68, 0.42).normalize();
+/** Where the camera travels beside the vehicle, m. */
+const FOLLOW_OFFSET = new Vector3(-1.25, -1.45, 0.7);
+/** What hangs under the vehicle counts as much as the vehicle, m. */
+const FOLLOW_DROP_M = 0.15;
 
 export class Camera {
   readonly camera = new PerspectiveCamera(FIELD_OF_VIEW_DEG, 1, 0.02, 200);
   private readonly controls: OrbitControls;
   private readonly followed = new Vector3();
   private known = false;
-  private chosen: CameraMode = "follow";
+  private chosen: CameraMode = "overview";
+  private points: Vector3[] = [];
 
-  constructor(element: HTMLElement, onChange: () => void) {
+  constructor(element: HTMLElement, onChange: () => void, onMode: () => void) {
     this.camera.up.set(0, 0, 1);
-    this.camera.position.copy(FIRST_OFFSET);
+    this.camera.layers.enable(MARKS_LAYER);
+    this.camera.position.copy(OVERVIEW_DIRECTION).multiplyScalar(5);
     this.controls = new OrbitControls(this.camera, element);
     this.controls.enableDamping = false;
     this.controls.minDistance = 0.2;
     this.controls.maxDistance = 60;
     this.controls.addEventListener("change", onChange);
+    this.controls.addEventListener("start", () => {
+      if (this.chosen !== "overview") return;
+      this.chosen = "free";
+      onMode();
+    });
     this.controls.update();
   }
 
@@ -33,52 +44,49 @@ export class Camera {
   }
 
   set mode(mode: CameraMode) {
-    if (mode === "follow" && this.known) this.shift(this.followed.clone().sub(this.controls.target));
     this.chosen = mode;
+    if (mode === "overview") this.frame();
+    if (mode === "follow" && this.known) this.standBeside();
   }
 
   resize(aspect: number): void {
     this.camera.aspect = aspect;
     this.camera.updateProjectionMatrix();
+    if (this.chosen === "overview") this.frame();
+  }
+
+  /** What the overview is to show: points at its rim, world frame, m. */
+  cover(points: Vector3[]): void {
+    this.points = points;
+    this.known = false;
+    if (this.chosen === "overview") this.frame();
   }
 
   /** The vehicle is at `position` now. */
   track(position: Vector3): void {
-    if (!this.known) this.lookFromStart(position);
-    else if (this.chosen === "follow") this.shift(position.clone().sub(this.followed));
+    if (this.chosen === "follow") {
+      if (this.known) this.shift(position.clone().sub(this.followed));
+      else this.standBeside(position);
+    } else if (this.chosen === "overview" && !isInView(this.camera, position)) {
+      this.points.push(position.clone());
+      this.frame();
+    }
     this.followed.copy(position);
     this.known = true;
   }
 
-  /** Another flight: look at its vehicle afresh. */
-  forget(): void {
-    this.known = false;
-  }
-
-  /** Moves back until all of `root` that is not floor or wall is in the picture; looks from where it looked. */
-  fit(root: Object3D): void {
-    const box = new Box3();
-    for (const child of root.children) {
-      if (!child.visible) continue;
-      const own = new Box3().setFromObject(child);
-      const size = own.getSize(new Vector3());
-      if (!own.isEmpty() && Math.max(size.x, size.y, size.z) < FIT_WITHIN_M) box.union(own);
-    }
-    if (box.isEmpty()) return;
-    const centre = box.getCenter(new Vector3());
-    const radius = Math.max(0.5, box.getSize(new Vector3()).length() / 2);
-    const half = (this.camera.fov * Math.PI) / 360;
-    const distance = radius / Math.sin(Math.min(half, Math.atan(Math.tan(half) * this.camera.aspect)));
-    const direction = this.camera.position.clone().sub(this.controls.target).normalize();
-    this.chosen = "orbit";
-    this.controls.target.copy(centre);
-    this.camera.position.copy(centre).addScaledVector(direction, distance);
+  private standBeside(position = this.followed): void {
+    this.controls.target.copy(position);
+    this.controls.target.z -= FOLLOW_DROP_M;
+    this.camera.position.copy(this.controls.target).add(FOLLOW_OFFSET);
     this.controls.update();
   }
 
-  private lookFromStart(position: Vector3): void {
-    this.controls.target.copy(position);
-    this.camera.position.copy(position).add(FIRST_OFFSET);
+  private frame(): void {
+    if (this.points.length === 0) return;
+    const { target, position } = fitView(this.points, OVERVIEW_DIRECTION, this.camera);
+    this.controls.target.copy(target);
+    this.camera.position.copy(position);
     this.controls.update();
   }
 

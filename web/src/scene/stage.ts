@@ -1,5 +1,6 @@
 // What does not depend on the flight: renderer, light, floor grid and axes.
-import { AxesHelper, Color, DirectionalLight, GridHelper, HemisphereLight, type LineBasicMaterial, Scene, WebGLRenderer } from "three";
+import { AxesHelper, Color, DirectionalLight, GridHelper, HemisphereLight, type LineBasicMaterial, Mesh, MeshBasicMaterial, PlaneGeometry, Scene, WebGLRenderer } from "three";
+import type { Palette } from "../panels/theme";
 
 const FLOOR_M = 20;
 const LARGEST_PIXEL_RATIO = 2;
@@ -14,11 +15,14 @@ function isSoftware(): boolean {
   return /SwiftShader|llvmpipe|Software/i.test(name);
 }
 
+/** Sky, floor and the lines on it. */
+export type StageColors = Pick<Palette, "sky" | "ground3d" | "floor">;
+
 export interface Stage {
   renderer: WebGLRenderer;
   scene: Scene;
   software: boolean;
-  setColors(sky: string, floor: string): void;
+  setColors(colors: StageColors): void;
 }
 
 export function buildStage(canvas: HTMLCanvasElement): Stage {
@@ -36,12 +40,14 @@ export function buildStage(canvas: HTMLCanvasElement): Stage {
   const axes = new AxesHelper(0.4);
   axes.setColors("#d6453d", "#4a9e46", "#3f7fd0");
   axes.position.z = 0.002;
-  scene.add(grid, axes);
-  const setColors = (sky: string, floor: string): void => {
-    scene.background = new Color(sky);
+  const floor = new Mesh(new PlaneGeometry(FLOOR_M, FLOOR_M), new MeshBasicMaterial());
+  scene.add(floor, grid, axes);
+  const setColors = (colors: StageColors): void => {
+    scene.background = new Color(colors.sky);
+    floor.material.color.set(colors.ground3d);
     const material = grid.material as LineBasicMaterial;
     material.vertexColors = false;
-    material.color.set(floor);
+    material.color.set(colors.floor);
     material.transparent = true;
     material.opacity = 0.55;
     material.needsUpdate = true;

@@ -1,5 +1,6 @@
 // The way something came, as one line of bounded length.
 import { BufferAttribute, BufferGeometry, Line, LineBasicMaterial, type ColorRepresentation } from "three";
+import { MARKS_LAYER } from "./layers";
 
 const POINTS = 1200;
 /** Points closer than this add nothing to the picture, m. */
@@ -17,6 +18,7 @@ export class Trail {
     geometry.setDrawRange(0, 0);
     this.line = new Line(geometry, new LineBasicMaterial({ color }));
     this.line.frustumCulled = false;
+    this.line.layers.set(MARKS_LAYER);
   }
 
   add(x: number, y: number, z: number): void {

@@ -6,6 +6,9 @@ import type { Hello } from "../protocol";
 import { Bodies, type DrawnPose } from "./bodies";
 import { Camera, type CameraMode } from "./camera";
 import { Contacts } from "./contacts";
+import { rimOf } from "./framing";
+import { handOf, HandView } from "./hand";
+import { Shadow } from "./shadow";
 import { buildStage } from "./stage";
 import { Trail } from "./trail";
 
@@ -15,20 +18,26 @@ export class World {
   private readonly flown: Trail;
   private readonly wanted: Trail;
   private readonly contacts: Contacts;
+  private readonly shadow = new Shadow();
+  private readonly hand: HandView;
+  private handName: string | undefined;
   private bodies: Bodies | null = null;
   private dirty = true;
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
+    handFrame: HTMLElement,
     private palette: Palette,
+    onMode: () => void,
   ) {
     this.stage = buildStage(canvas);
-    this.view = new Camera(canvas, () => (this.dirty = true));
+    this.hand = new HandView(canvas, handFrame);
+    this.view = new Camera(canvas, () => (this.dirty = true), onMode);
     this.flown = new Trail(palette.estimate);
     this.wanted = new Trail(palette.setpoint);
     this.contacts = new Contacts(palette.fourth);
-    this.stage.scene.add(this.wanted.line, this.flown.line, this.contacts.root);
-    this.stage.setColors(palette.sky, palette.floor);
+    this.stage.scene.add(this.wanted.line, this.flown.line, this.contacts.root, this.shadow.mesh);
+    this.stage.setColors(palette);
     const frame = canvas.parentElement ?? canvas;
     new ResizeObserver(() => this.resize(frame.clientWidth, frame.clientHeight)).observe(frame);
   }
@@ -46,18 +55,30 @@ export class World {
     this.dirty = true;
   }
 
+  get handShown(): boolean {
+    return this.hand.shown;
+  }
+
+  set handShown(shown: boolean) {
+    this.hand.shown = shown;
+    this.dirty = true;
+  }
+
   /** Shows another flight. */
   rebuild(hello: Hello): void {
     if (this.bodies !== null) {
       this.stage.scene.remove(this.bodies.root);
       this.bodies.dispose();
     }
-    this.bodies = new Bodies(hello.scene, this.palette.setpoint, this.palette.third);
+    this.bodies = new Bodies(hello.scene, this.palette.setpoint, this.palette.muted);
     this.stage.scene.add(this.bodies.root);
     this.clear();
-    this.view.forget();
+    this.handName = handOf(hello.scene);
     const vehicle = this.bodies.vehicle();
-    if (vehicle !== undefined) this.view.track(vehicle.position);
+    if (vehicle === undefined) return;
+    this.view.cover(rimOf(this.bodies.root, vehicle.position));
+    this.view.track(vehicle.position);
+    this.shadow.follow(vehicle.position);
   }
 
   clear(): void {
@@ -76,22 +97,20 @@ export class World {
       const { x, y, z } = vehicle.position;
       this.flown.add(x, y, z);
       this.view.track(new Vector3(x, y, z));
+      this.shadow.follow(vehicle.position);
     }
     const [x = NaN, y = NaN, z = NaN] = frame.reference;
     this.wanted.add(x, y, z);
     this.dirty = true;
   }
 
-  fit(): void {
-    if (this.bodies !== null) this.view.fit(this.bodies.root);
-    this.dirty = true;
-  }
-
   recolor(palette: Palette): void {
     this.palette = palette;
-    this.stage.setColors(palette.sky, palette.floor);
+    this.stage.setColors(palette);
     this.flown.line.material.color.set(palette.estimate);
     this.wanted.line.material.color.set(palette.setpoint);
+    this.contacts.material.color.set(palette.fourth);
+    this.bodies?.recolor(palette.muted);
     this.dirty = true;
   }
 
@@ -104,7 +123,9 @@ export class World {
   render(): void {
     if (!this.dirty) return;
     this.dirty = false;
-    this.stage.renderer.render(this.stage.scene, this.view.camera);
+    const { renderer, scene } = this.stage;
+    renderer.render(scene, this.view.camera);
+    this.hand.render(renderer, scene, this.bodies?.body(this.handName), this.bodies?.vehicle());
   }
 
   private resize(width: number, height: number): void {

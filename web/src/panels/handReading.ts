@@ -1,0 +1,15 @@
+// What the close-up of the hand says in words.
+import type { Store } from "../data/store";
+
+const MM_PER_M = 1000;
+
+/** Opening and grip of the fingers as far as they are known. */
+export function handReading(store: Pick<Store, "latest">): string {
+  const opening = store.latest("opening_m");
+  const grip = store.latest("grip_force_n");
+  const parts = [
+    ...(Number.isFinite(opening) ? [`open ${(opening * MM_PER_M).toFixed(0)} mm`] : []),
+    ...(Number.isFinite(grip) ? [`grip ${grip.toFixed(1)} N`] : []),
+  ];
+  return parts.join(" · ");
+}

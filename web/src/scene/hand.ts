@@ -1,0 +1,62 @@
+// The close-up of the hand: a second camera that stays in front of the fingers, drawn into a corner of the view.
+import { type Object3D, PerspectiveCamera, Vector3, type WebGLRenderer, type Scene as ThreeScene } from "three";
+import type { Scene } from "../protocol";
+
+/** Names under which descriptions have their grasp point or hand, most exact first. */
+const NAMED = [/tool|tcp/i, /palm|hand|gripper/i];
+/** From the hand, in the heading of the vehicle, m: fingers open sideways, so ahead of them and a little aside. */
+const OFFSET = new Vector3(0.42, -0.3, 0.14);
+const FIELD_OF_VIEW_DEG = 34;
+const UP = new Vector3(0, 0, 1);
+
+/** The body that is the hand of the vehicle; nothing for a vehicle without one. */
+export function handOf(scene: Scene): string | undefined {
+  const links = scene.bodies.filter(({ group, moving, name }) => group === "vehicle" && moving && name !== scene.base_body);
+  for (const pattern of NAMED) {
+    const found = links.find(({ name }) => pattern.test(name));
+    if (found !== undefined) return found.name;
+  }
+  return links.at(-1)?.name;
+}
+
+export class HandView {
+  shown = true;
+  private readonly camera = new PerspectiveCamera(FIELD_OF_VIEW_DEG, 1, 0.02, 20);
+  private readonly place = new Vector3();
+  private readonly heading = new Vector3();
+
+  /** `frame` is the element the picture goes into; it lies over `canvas`. */
+  constructor(
+    private readonly canvas: HTMLElement,
+    private readonly frame: HTMLElement,
+  ) {
+    this.camera.up.copy(UP);
+  }
+
+  /** Draws over what `renderer` has drawn already. */
+  render(renderer: WebGLRenderer, scene: ThreeScene, hand: Object3D | undefined, base: Object3D | undefined): void {
+    const shown = this.shown && hand !== undefined && base !== undefined;
+    this.frame.hidden = !shown;
+    if (!shown) return;
+    const outer = this.canvas.getBoundingClientRect();
+    const inner = this.frame.getBoundingClientRect();
+    const [left, bottom] = [inner.left - outer.left, outer.bottom - inner.bottom];
+    this.look(hand, base, inner.width / inner.height);
+    renderer.setScissorTest(true);
+    renderer.setScissor(left, bottom, inner.width, inner.height);
+    renderer.setViewport(left, bottom, inner.width, inner.height);
+    renderer.render(scene, this.camera);
+    renderer.setScissorTest(false);
+    renderer.setViewport(0, 0, outer.width, outer.height);
+  }
+
+  private look(hand: Object3D, base: Object3D, aspect: number): void {
+    if (!(aspect > 0)) return;
+    this.camera.aspect = aspect;
+    this.camera.updateProjectionMatrix();
+    const ahead = this.heading.set(1, 0, 0).applyQuaternion(base.quaternion);
+    const yaw = Math.atan2(ahead.y, ahead.x);
+    this.camera.position.copy(hand.position).add(this.place.copy(OFFSET).applyAxisAngle(UP, yaw));
+    this.camera.lookAt(hand.position);
+  }
+}
