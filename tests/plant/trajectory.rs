@@ -8,15 +8,16 @@ use twin::source::{InnerLoop, InnerState, Source};
 use twin::tick::{ActuatorCommand, Setpoint};
 
 use super::oracle::{Effort, Oracle, State};
-use super::rig::{aerial_manipulator, any_setpoint, quiet_settings};
+use super::rig::{aerial_manipulator, any_setpoint, awkward, quiet_settings};
 
-/// The plant is first order in its substep of 0.25 ms; measured at this length and iteration count.
-const POSITION_TOLERANCE_M: f64 = 2e-3;
-const ATTITUDE_TOLERANCE_DEG: f64 = 0.05;
-const JOINT_TOLERANCE_DEG: f64 = 0.1;
+/// The plant is first order in its substep of 0.25 ms: measured 0.6 mm, 0.021° and 0.03°. Thrust applied at the attitude of
+/// the beginning of a step instead of its middle gives 1.0 mm and 0.059°.
+const POSITION_TOLERANCE_M: f64 = 0.8e-3;
+const ATTITUDE_TOLERANCE_DEG: f64 = 0.035;
+const JOINT_TOLERANCE_DEG: f64 = 0.05;
 
 /// The flight is only a test of gyroscopic terms and of the mid-step attitude if it tilts.
-const LEAST_TILT_DEG: f64 = 40.0;
+const TILT_DEG: std::ops::Range<f64> = 40.0..70.0;
 
 /// Plant step, s, and steps of the oracle in it.
 const STEP_S: f64 = 1e-3;
@@ -45,9 +46,8 @@ impl InnerLoop for OpenLoop {
     }
 }
 
-/// The vehicle with its fingers fixed and its joints without dry friction.
-fn robot() -> Robot {
-    let mut robot = aerial_manipulator();
+/// `robot` with its fingers fixed and its joints without dry friction.
+fn simplified(mut robot: Robot) -> Robot {
     for joint in &mut robot.joints {
         joint.friction = 0.0;
         if joint.kind == JointKind::Prismatic {
@@ -111,18 +111,18 @@ impl Errors {
     }
 }
 
-#[test]
-fn a_second_of_open_loop_flight_follows_the_oracle() {
-    let (robot, settings) = (robot(), settings());
-    let mut oracle = Oracle::new(&robot);
+/// Flies for `ticks` of 10 ms; the errors and the largest tilt, deg.
+fn fly(robot: &Robot, ticks: u32) -> (Errors, f64) {
+    let settings = settings();
+    let mut oracle = Oracle::new(robot);
     oracle.armature.fill(settings.vehicle.joint_armature_kg_m2);
-    oracle.damping =
-        DVector::from_iterator(2, oracle.moving.iter().map(|&joint| robot.joints[joint].damping));
+    let damping = oracle.moving.iter().map(|&joint| robot.joints[joint].damping);
+    oracle.damping = DVector::from_iterator(2, damping);
     let joints = Vector2::new(0.4, 0.8);
-    let start =
-        Start { position: Vector3::new(0.0, 0.0, 5.0), joints, grasped: None, inner_steps: 1 };
+    let position = Vector3::new(0.0, 0.0, 5.0);
+    let start = Start { position, joints, grasped: None, inner_steps: 1 };
     let mut vehicle = SimulatedVehicle::new(robot.clone(), &[], settings.clone(), &start, 1)
-        .expect("it is built");
+        .expect("the vehicle is built");
     let mut state = State {
         com: start.position + oracle.com_in_root,
         rotation: UnitQuaternion::identity(),
@@ -131,7 +131,7 @@ fn a_second_of_open_loop_flight_follows_the_oracle() {
     };
     let (setpoint, mut inner) = (any_setpoint(), OpenLoop(0));
     let (mut errors, mut tilt_deg) = (Errors::default(), 0.0_f64);
-    for tick in 0..100 {
+    for tick in 0..ticks {
         vehicle.advance(&setpoint, &mut inner);
         for k in 10 * tick..10 * (tick + 1) {
             let effort = wrench(&settings, &command(k));
@@ -142,13 +142,28 @@ fn a_second_of_open_loop_flight_follows_the_oracle() {
         errors.add(&oracle, &state, &vehicle.truth().expect("it is simulated").chi);
         tilt_deg = tilt_deg.max((state.rotation * Vector3::z()).z.acos().to_degrees());
     }
-    let Errors { position_m, attitude_deg, joint_deg } = errors;
+    (errors, tilt_deg)
+}
+
+fn check(robot: &Robot, ticks: u32) {
+    let (Errors { position_m, attitude_deg, joint_deg }, tilt_deg) = fly(robot, ticks);
     let found = format!(
         "{:.3} mm, {attitude_deg:.4}°, {joint_deg:.4}° at {tilt_deg:.0}°",
         position_m * 1e3
     );
-    assert!(tilt_deg > LEAST_TILT_DEG, "{found}");
+    assert!(TILT_DEG.contains(&tilt_deg), "{found}");
     assert!(position_m <= POSITION_TOLERANCE_M, "{found}");
     assert!(attitude_deg <= ATTITUDE_TOLERANCE_DEG, "{found}");
     assert!(joint_deg <= JOINT_TOLERANCE_DEG, "{found}");
+}
+
+#[test]
+fn a_second_of_open_loop_flight_follows_the_oracle() {
+    check(&simplified(aerial_manipulator()), 100);
+}
+
+#[test]
+fn a_root_whose_mass_is_off_its_origin_follows_the_oracle_too() {
+    // Its weight is off the rotors' middle: it tips over sooner.
+    check(&simplified(awkward()), 40);
 }
