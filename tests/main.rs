@@ -1,8 +1,8 @@
 //! The one test binary.
-#![allow(clippy::unwrap_used, reason = "tests fail by panicking, in their helpers too")]
 
-mod cli;
+mod bad_input;
 mod flight;
 mod layers;
 mod plant;
+mod scenarios;
 mod server;

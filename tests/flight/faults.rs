@@ -175,44 +175,42 @@ fn broken_forecasts_become_a_fault_and_reach_no_actuator() {
     }
 }
 
+/// A source that never measured anything.
+struct Dead;
+impl Source for Dead {
+    fn advance(&mut self, setpoint: &Setpoint, inner: &mut dyn InnerLoop) -> Measurement {
+        let state = InnerState {
+            eta: nalgebra::Vector3::zeros(),
+            eta_dot: nalgebra::Vector3::zeros(),
+            joint: setpoint.joint_des,
+            joint_dot: nalgebra::Vector2::zeros(),
+        };
+        let command = inner.command(setpoint, &state);
+        assert!(
+            command.rotor_thrust_n.iter().chain(&command.joint_torque_n_m).all(|x| x.is_finite())
+        );
+        Measurement {
+            t_s: 0.0,
+            chi: Coords::repeat(f64::NAN),
+            chi_dot: Coords::repeat(f64::NAN),
+            chi_ddot: Coords::repeat(f64::NAN),
+            tau_applied: Coords::repeat(f64::NAN),
+            gripper: twin::tick::GripperReading::default(),
+            payload: None,
+            saturated: false,
+        }
+    }
+
+    fn truth(&self) -> Option<Truth> {
+        None
+    }
+
+    fn disturb(&mut self, _disturbance: &Disturbance) {}
+}
+
 #[test]
 fn a_source_that_is_broken_from_its_first_tick_gets_finite_commands() {
     let mut parts = scenario("hover", &[]).parts().expect("it builds");
-    struct Dead;
-    impl Source for Dead {
-        fn advance(&mut self, setpoint: &Setpoint, inner: &mut dyn InnerLoop) -> Measurement {
-            let state = InnerState {
-                eta: nalgebra::Vector3::zeros(),
-                eta_dot: nalgebra::Vector3::zeros(),
-                joint: setpoint.joint_des,
-                joint_dot: nalgebra::Vector2::zeros(),
-            };
-            let command = inner.command(setpoint, &state);
-            assert!(
-                command
-                    .rotor_thrust_n
-                    .iter()
-                    .chain(&command.joint_torque_n_m)
-                    .all(|x| x.is_finite())
-            );
-            Measurement {
-                t_s: 0.0,
-                chi: Coords::repeat(f64::NAN),
-                chi_dot: Coords::repeat(f64::NAN),
-                chi_ddot: Coords::repeat(f64::NAN),
-                tau_applied: Coords::repeat(f64::NAN),
-                gripper: twin::tick::GripperReading::default(),
-                payload: None,
-                saturated: false,
-            }
-        }
-
-        fn truth(&self) -> Option<Truth> {
-            None
-        }
-
-        fn disturb(&mut self, _disturbance: &Disturbance) {}
-    }
     parts.source = Box::new(Dead);
     for tick in fly(parts) {
         assert_eq!(tick.fault, Some(Fault::NonFiniteMeasurement));

@@ -1,0 +1,79 @@
+//! Every scenario of the repository loads, builds and flies its first second.
+
+use std::path::{Path, PathBuf};
+
+use twin::scenario::{DEFAULTS, Scenario};
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios")
+}
+
+/// Every file but the defaults.
+fn files() -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder()).expect("the folder of scenarios");
+    let mut files: Vec<PathBuf> = entries.map(|entry| entry.expect("an entry").path()).collect();
+    files.retain(|file| {
+        file.extension().is_some_and(|ending| ending == "toml") && !file.ends_with("defaults.toml")
+    });
+    files.sort();
+    files
+}
+
+/// A second of flight: nothing is broken.
+fn starts(scenario: &Scenario) {
+    let mut flight = scenario.build().expect(&scenario.name);
+    for _ in 0..100 {
+        let tick = flight.tick();
+        assert_eq!(tick.fault, None, "{}", scenario.name);
+        let truth = tick.truth.expect("it is simulated");
+        assert!(truth.chi.iter().chain(&truth.chi_dot).all(|x| x.is_finite()), "{}", scenario.name);
+        assert!(truth.collision_force_n == 0.0, "{}: it starts inside something", scenario.name);
+    }
+}
+
+#[test]
+fn every_scenario_loads_builds_and_starts() {
+    let files = files();
+    assert!(files.len() >= 10, "the paper's eight, hover and the demonstration: {files:?}");
+    for file in &files {
+        let scenario = Scenario::load(file, &[]).unwrap_or_else(|error| panic!("{error}"));
+        assert_ne!(
+            scenario.settings.title,
+            "unnamed",
+            "{}: a scenario has a title",
+            file.display()
+        );
+        starts(&scenario);
+        scenario.scene().expect(&scenario.name);
+        scenario.recording_info(&scenario.tuning().expect(&scenario.name)).expect(&scenario.name);
+    }
+}
+
+#[test]
+fn an_empty_file_means_the_defaults() {
+    let file =
+        std::env::temp_dir().join(format!("twin-scenarios-{}-empty.toml", std::process::id()));
+    std::fs::write(&file, "").expect("a temporary file");
+    let empty = Scenario::load(&file, &[]);
+    std::fs::remove_file(&file).expect("it is removed");
+    // Model files are relative to the scenario's folder.
+    let scenario = Scenario { file: folder().join("empty.toml"), ..empty.expect("it loads") };
+    assert_eq!(scenario.settings.title, "unnamed");
+    starts(&scenario);
+}
+
+#[test]
+fn the_defaults_in_the_binary_are_the_file() {
+    let text = std::fs::read_to_string(folder().join("defaults.toml")).expect("the defaults");
+    assert_eq!(text, DEFAULTS);
+}
+
+#[test]
+fn settings_survive_a_round_trip_through_toml() {
+    for file in files() {
+        let settings = Scenario::load(&file, &[]).expect("it loads").settings;
+        let text = toml::to_string(&settings).expect("settings are TOML");
+        let again: twin::scenario::Settings = toml::from_str(&text).expect("and back");
+        assert!(again == settings, "{}", file.display());
+    }
+}
