@@ -204,3 +204,52 @@ fn a_port_in_use_is_refused_with_the_port_and_the_way_out() {
     refused(&["fly", "scenarios/hover.toml", "--port", &port], &[&port, "--port"]);
     refused(&["fly", "scenarios/hover.toml", "--host", "0.0.0.0"], &["0.0.0.0", "127.0.0.1"]);
 }
+
+#[test]
+fn with_json_stdout_is_exactly_one_object() {
+    let keys = [
+        "scenario",
+        "seed",
+        "verdict",
+        "reason",
+        "flight_s",
+        "real_time_factor",
+        "state_hash",
+        "metrics",
+    ];
+    for (overrides, code) in [
+        (&["--set", "task.duration_s=0.5"][..], 0),
+        // It ends, but not as expected: the verdict is still one object.
+        (&["--set", "task.duration_s=0.5", "--set", "expect.verdict=crashed"], 1),
+    ] {
+        let mut arguments = vec!["fly", "scenarios/hover.toml", "--headless", "--json"];
+        arguments.extend(overrides);
+        let output = twin(&arguments);
+        assert_eq!(output.status.code(), Some(code), "{}", String::from_utf8_lossy(&output.stderr));
+        let value: serde_json::Value =
+            serde_json::from_slice(&output.stdout).expect("one JSON value and nothing else");
+        for key in keys {
+            assert!(value.get(key).is_some_and(|found| !found.is_null()), "{key} in {value}");
+        }
+        assert_eq!(value["scenario"], "hover");
+        assert_eq!(String::from_utf8_lossy(&output.stdout).lines().count(), 1);
+    }
+}
+
+#[test]
+fn check_says_what_is_wrong_with_each_file() {
+    let folder = Folder::new("check");
+    let bad = folder.write("bad.toml", "[payload]\nmass_kg = 300.0\n");
+    let output = twin(&[
+        "check",
+        "scenarios/hover.toml",
+        bad.to_str().expect("a path of ASCII"),
+        "urdf/cube.urdf",
+    ]);
+    let stdout = String::from_utf8_lossy(&output.stdout);
+    assert!(!output.status.success(), "{stdout}");
+    let lines: Vec<&str> = stdout.lines().collect();
+    assert_eq!(lines.len(), 3, "{stdout}");
+    assert!(lines[0].starts_with("ok") && lines[2].starts_with("ok"), "{stdout}");
+    assert!(lines[1].contains("bad.toml:2") && lines[1].contains("payload.mass_kg"), "{stdout}");
+}

@@ -7,7 +7,7 @@ use nalgebra::{Vector2, Vector3};
 use super::compensation::Compensation;
 use super::{Controller, Gains, Input};
 use crate::notation::{Coords, GRAVITY_M_S2, attitude, position, tracking_error};
-use crate::tick::{ControlState, RowGains, Setpoint};
+use crate::tick::{ControlState, Setpoint};
 
 /// Largest horizontal specific force, m/s²: about 31° of tilt.
 const LATERAL_LIMIT_M_S2: f64 = 6.0;
@@ -114,13 +114,7 @@ pub(super) fn setpoint(
         r_hat,
         sliding_norm,
         robust_gain,
-        rows: RowGains {
-            law: gains.inner_law,
-            slope: gains.slope,
-            damping: gains.damping,
-            nominal_inertia: gains.nominal_inertia,
-            boundary_layer: gains.boundary_layer,
-        },
+        rows: gains.rows(),
         gripper: reference.gripper,
     }
 }

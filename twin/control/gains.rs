@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::notation::Coords;
-use crate::tick::InnerLaw;
+use crate::tick::{InnerLaw, RowGains};
 
 /// Nominal inertia `M_bar` of the paper's controller table: baked into every residual, so the same in all presets, kg and kg m².
 pub const NOMINAL_INERTIA: [f64; 8] = [2.0, 2.0, 2.0, 0.02, 0.02, 0.02, 0.05, 0.05];
@@ -47,6 +47,17 @@ pub struct Gains {
 }
 
 impl Gains {
+    /// The part the inner rows need.
+    pub fn rows(&self) -> RowGains {
+        RowGains {
+            law: self.inner_law,
+            slope: self.slope,
+            damping: self.damping,
+            nominal_inertia: self.nominal_inertia,
+            boundary_layer: self.boundary_layer,
+        }
+    }
+
     /// The gains of `preset` (`tab:controller_params`).
     pub fn preset(preset: Preset) -> Self {
         let literal = Self {

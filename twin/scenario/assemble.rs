@@ -17,7 +17,7 @@ use crate::residual::{
 };
 use crate::task::path::Curve;
 use crate::task::{FollowPath, Hover, Mission, PickPlace, Task};
-use crate::tick::{GripperCommand, RowGains, Setpoint};
+use crate::tick::{GripperCommand, Setpoint};
 use crate::tuning::{Tuning, TuningError};
 
 /// Ticks of history kept for predictors, `T_l`.
@@ -234,13 +234,7 @@ fn first_setpoint(gains: &Gains, start: &Start, weight_n: f64) -> Setpoint {
         r_hat: Coords::zeros(),
         sliding_norm: 1.0,
         robust_gain: 0.0,
-        rows: RowGains {
-            law: gains.inner_law,
-            slope: gains.slope,
-            damping: gains.damping,
-            nominal_inertia: gains.nominal_inertia,
-            boundary_layer: gains.boundary_layer,
-        },
+        rows: gains.rows(),
         gripper: if start.grasped.is_some() { GripperCommand::Close } else { GripperCommand::Open },
     }
 }

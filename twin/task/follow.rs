@@ -6,7 +6,7 @@ use super::motion::{Motion, Posture};
 use super::path::{Curve, TimedPath};
 use super::quintic::Knot;
 use super::{Step, Task, View};
-use crate::tick::{Adaptation, Event, EventKind, GripperCommand, Reference};
+use crate::tick::{Event, EventKind, GripperCommand, Reference};
 
 const SETTLE_S: f64 = 3.0;
 const APPROACH_S: f64 = 3.0;
@@ -86,18 +86,11 @@ impl Task for FollowPath {
             });
         }
         self.motion.step(dt_s);
-        let (chi_des, chi_des_dot, chi_des_ddot) = self.motion.coordinates();
         Step {
             reference: Reference {
-                chi_des,
-                chi_des_dot,
-                chi_des_ddot,
-                gripper: self.gripper,
-                adaptation: Adaptation::Free,
-                follows_measurement: false,
                 transporting: self.phase == Phase::Path,
                 cruising: self.phase == Phase::Path && self.path.cruising(self.phase_s),
-                release: None,
+                ..self.motion.reference(self.gripper)
             },
             phase: match self.phase {
                 Phase::Settle => "settle",

@@ -4,7 +4,7 @@ use nalgebra::{Vector2, Vector3};
 
 use super::motion::{Motion, Posture};
 use super::{Step, Task, View};
-use crate::tick::{Adaptation, GripperCommand, Reference};
+use crate::tick::{GripperCommand, Reference};
 
 /// Hovers at one posture for a time.
 #[derive(Clone, Debug)]
@@ -29,18 +29,10 @@ impl Hover {
 
 impl Task for Hover {
     fn update(&mut self, view: &View<'_>, _dt_s: f64) -> Step {
-        let (chi_des, chi_des_dot, chi_des_ddot) = self.motion.coordinates();
         Step {
             reference: Reference {
-                chi_des,
-                chi_des_dot,
-                chi_des_ddot,
-                gripper: self.gripper,
-                adaptation: Adaptation::Free,
-                follows_measurement: false,
                 transporting: self.gripper == GripperCommand::Close,
-                cruising: false,
-                release: None,
+                ..self.motion.reference(self.gripper)
             },
             phase: "hover",
             events: Vec::new(),

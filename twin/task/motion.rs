@@ -4,6 +4,7 @@ use nalgebra::SVector;
 
 use super::quintic::{Knot, Quintic};
 use crate::notation::Coords;
+use crate::tick::{Adaptation, GripperCommand, Reference};
 
 /// `[x y z psi q1 q2]`, m and rad.
 pub type Posture = SVector<f64, 6>;
@@ -96,10 +97,21 @@ impl Motion {
         }
     }
 
-    /// `chi_des`, its rate and acceleration; roll and pitch are zero, the command filter fills them.
-    pub fn coordinates(&self) -> (Coords, Coords, Coords) {
+    /// The reference of this tick with adaptation free and nothing carried; roll and pitch are zero, the command filter fills
+    /// them.
+    pub fn reference(&self, gripper: GripperCommand) -> Reference {
         let expand = |p: &Posture| Coords::from([p[0], p[1], p[2], 0.0, 0.0, p[3], p[4], p[5]]);
-        (expand(&self.knot.value), expand(&self.knot.rate), expand(&self.knot.acceleration))
+        Reference {
+            chi_des: expand(&self.knot.value),
+            chi_des_dot: expand(&self.knot.rate),
+            chi_des_ddot: expand(&self.knot.acceleration),
+            gripper,
+            adaptation: Adaptation::Free,
+            follows_measurement: false,
+            transporting: false,
+            cruising: false,
+            release: None,
+        }
     }
 }
 
@@ -118,7 +130,7 @@ mod tests {
         for _ in 0..200 {
             motion.step(DT_S);
             lowest = lowest.min(motion.posture().z);
-            fastest = fastest.max(motion.coordinates().1[2].abs());
+            fastest = fastest.max(motion.reference(GripperCommand::Open).chi_des_dot[2].abs());
         }
         assert!(motion.arrived());
         assert!((motion.posture().z - 0.94).abs() < 1e-4, "{}", motion.posture().z);
@@ -142,7 +154,8 @@ mod tests {
         let mut motion = Motion::new(Posture::zeros());
         motion.ramp(-1.0, 0.15);
         (0..50).for_each(|_| motion.step(DT_S));
-        let (before, rate) = (motion.posture().z, motion.coordinates().1[2]);
+        let (before, rate) =
+            (motion.posture().z, motion.reference(GripperCommand::Open).chi_des_dot[2]);
         motion.go(Posture::new(0.0, 0.0, 0.5, 0.0, 0.0, 0.0), 1.5);
         motion.step(DT_S);
         assert!((motion.posture().z - before - rate * DT_S).abs() < 1e-3);

@@ -158,17 +158,14 @@ impl PickPlace {
     }
 
     fn reference(&self, release: Option<Coords>) -> Reference {
-        let (chi_des, chi_des_dot, chi_des_ddot) = self.motion.coordinates();
+        let gripper = if self.phase.grips() { GripperCommand::Close } else { GripperCommand::Open };
         Reference {
-            chi_des,
-            chi_des_dot,
-            chi_des_ddot,
-            gripper: if self.phase.grips() { GripperCommand::Close } else { GripperCommand::Open },
             adaptation: self.adaptation(),
             follows_measurement: matches!(self.phase, Phase::Touchdown | Phase::Open),
             transporting: self.phase.transports(),
             cruising: self.phase == Phase::Carry && self.path.cruising(self.phase_s),
             release,
+            ..self.motion.reference(gripper)
         }
     }
 
