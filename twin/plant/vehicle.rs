@@ -139,11 +139,6 @@ impl SimulatedVehicle {
         })
     }
 
-    /// Mass of the vehicle without payload, kg.
-    pub fn mass_kg(&self) -> f64 {
-        self.robot.total_mass_kg()
-    }
-
     /// The true state as the sensors see it.
     pub(super) fn state(&self) -> State {
         let root = self.articulation.link_pose(&self.world, self.robot.root);

@@ -34,7 +34,8 @@ pub trait Predictor: Send {
 pub type GravityModel = Box<dyn Fn(&Coords) -> Coords + Send + Sync>;
 
 /// Standard deviation of the residual per row over excited flight, N and N m: the unit of z-scored innovations of predictors
-/// that have no training set of their own. Source: `twin fly scenarios/hover.toml` with multisine excitation, rounded.
+/// that have no training set of their own. Source: a control study with multisine excitation and 0, 200 and 400 g on another
+/// plant model, rounded; a trained predictor brings its own.
 pub const NOMINAL_SCALE: [f64; 8] = [1.44, 1.24, 1.87, 0.21, 0.62, 0.14, 0.57, 0.30];
 
 /// The same forecast at every step of the horizon.
