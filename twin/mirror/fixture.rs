@@ -146,6 +146,7 @@ pub(crate) fn tick(index: u64) -> Tick {
         forecast: Forecast {
             base: vec![coords(index, 31), coords(index, 32)],
             regime: vec![1.0, number(index, 33)],
+            attention: Vec::new(),
         },
         adapted: adapted(index),
         control: ControlState {

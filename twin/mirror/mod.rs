@@ -1,15 +1,44 @@
-//! Flights to files and from outside: the recorder, and reading its files back.
+//! Flights to files and from outside: the recorder, reading its files back, and reading flights that others recorded.
 //!
-//! The only place that knows the MCAP container.
+//! The only place that knows the MCAP container. A foreign flight goes `container` (records) → `survey` (what is there) →
+//! `topics` (what it means) → `gather` (numbers) → `signals` (one clock, ENU and FLU) → `recorded` (ticks of the loop).
 
+pub mod cdr;
+pub mod clock;
+pub mod container;
+pub mod effort;
 #[cfg(test)]
 pub(crate) mod fixture;
+pub mod frames;
+pub mod gather;
+mod grid;
+mod inertial;
 mod lossless;
+pub mod opened;
+pub mod recorded;
 pub mod recorder;
 pub mod recording;
+mod replayed;
 pub mod scene;
+pub mod schema;
+pub mod series;
+pub mod signals;
+mod stand_in;
+pub mod survey;
+mod thrust_fit;
+pub mod topics;
 mod track;
-mod views;
+mod ulog;
+pub mod value;
+pub(crate) mod views;
 
+pub use effort::Effort;
+pub use opened::{OpenError, OpenedFlight};
+pub use recorded::{Derivation, MirrorError, RecordedFlight, RecordedSource};
 pub use recorder::{Recorder, RecordingEnd, RecordingInfo, Written};
 pub use recording::{Recording, RecordingError, read_recording, read_ticks};
+pub use replayed::recorded_nominal_inertia;
+pub use stand_in::stand_in;
+pub use survey::Survey;
+pub use thrust_fit::ThrustFit;
+pub use topics::{Map, MapError};

@@ -36,6 +36,12 @@ pub struct RecordingInfo {
     pub seed: u64,
     /// Values in force at the start, as JSON.
     pub gains_json: String,
+    /// What the actuators can do, as JSON.
+    pub limits_json: String,
+    /// Scale, attention and arithmetic of the predictor, as JSON.
+    pub predictor_json: String,
+    /// Arithmetic of the predictor's network: part of what makes two flights of one seed equal.
+    pub kernel: String,
     /// The vehicle's URDF.
     pub urdf: String,
     /// What to draw.
@@ -203,9 +209,11 @@ impl RecordingInfo {
             ("scenario", self.scenario.clone()),
             ("seed", self.seed.to_string()),
             ("gains", self.gains_json.clone()),
+            ("actuator_limits", self.limits_json.clone()),
             ("version", env!("CARGO_PKG_VERSION").to_owned()),
             ("git", option_env!("TWIN_GIT_ID").unwrap_or("unknown").to_owned()),
-            ("kernel", "scalar".to_owned()),
+            ("predictor", self.predictor_json.clone()),
+            ("kernel", self.kernel.clone()),
         ]
         .map(|(key, value)| (key.to_owned(), value))
         .into()

@@ -56,10 +56,15 @@ impl TrackWriter {
             .compression_threads(0)
             .create(BufWriter::new(file))
             .map_err(|e| failed(&e))?;
+        let scene = serde_json::to_string(&info.scene).map_err(|e| failed(&e))?;
         for (name, media_type, text) in [
             ("vehicle.urdf", "application/xml", &info.urdf),
             ("scenario.toml", "application/toml", &info.scenario_toml),
+            ("scene.json", "application/json", &scene),
         ] {
+            if text.is_empty() {
+                continue;
+            }
             let attachment = Attachment {
                 log_time: 0,
                 create_time: 0,

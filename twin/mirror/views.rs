@@ -21,12 +21,21 @@ const SMALLEST_ARROW_N: f64 = 0.01;
 
 /// World-from-body transforms of the moving bodies at `tick`.
 pub(super) fn transforms(scene: &Scene, tick: &Tick) -> FrameTransforms {
+    transforms_at(scene, tick.measurement.t_s, scene.poses_at(tick))
+}
+
+/// World-from-body transforms of the moving bodies at these poses, in scene order; `None` is unknown and left out.
+pub(crate) fn transforms_at(
+    scene: &Scene,
+    t_s: f64,
+    poses: impl IntoIterator<Item = Option<tick::Pose>>,
+) -> FrameTransforms {
     let transforms = scene
         .moving()
-        .zip(scene.poses_at(tick))
+        .zip(poses)
         .filter_map(|(body, pose)| Some((body, pose?)))
         .map(|(body, pose)| FrameTransform {
-            timestamp: Some(timestamp(tick)),
+            timestamp: Some(timestamp(t_s)),
             parent_frame_id: WORLD.to_owned(),
             child_frame_id: body.name.clone(),
             translation: Some(vector(pose.position)),
@@ -38,38 +47,67 @@ pub(super) fn transforms(scene: &Scene, tick: &Tick) -> FrameTransforms {
 
 /// Arm joints with their measured angles and rates and the torque asked of them.
 pub(super) fn joint_states(names: &[String], tick: &Tick) -> JointStates {
+    let joints = [0, 1].map(|index| Joint {
+        position_rad: tick.measurement.chi[6 + index],
+        velocity_rad_s: Some(tick.measurement.chi_dot[6 + index]),
+        torque_n_m: tick.actuators.joint_torque_n_m[index],
+    });
+    joint_states_at(names, tick.measurement.t_s, joints)
+}
+
+/// What is told of an arm joint.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Joint {
+    /// Measured angle, rad.
+    pub position_rad: f64,
+    /// Measured rate, rad/s.
+    pub velocity_rad_s: Option<f64>,
+    /// Torque asked of it, N m.
+    pub torque_n_m: f64,
+}
+
+/// Arm joints as they are told.
+pub(crate) fn joint_states_at(names: &[String], t_s: f64, joints: [Joint; 2]) -> JointStates {
     let joints = names
         .iter()
-        .take(2)
-        .enumerate()
-        .map(|(index, name)| JointState {
+        .zip(joints)
+        .map(|(name, joint)| JointState {
             name: name.clone(),
-            position: Some(tick.measurement.chi[6 + index]),
-            velocity: Some(tick.measurement.chi_dot[6 + index]),
+            position: Some(joint.position_rad),
+            velocity: joint.velocity_rad_s,
             acceleration: None,
-            effort: Some(tick.actuators.joint_torque_n_m[index]),
+            effort: Some(joint.torque_n_m),
         })
         .collect();
-    JointStates { timestamp: Some(timestamp(tick)), joints }
+    JointStates { timestamp: Some(timestamp(t_s)), joints }
 }
 
 /// Every body of the scene: moving ones in their own frame, the others in the world.
 pub(super) fn bodies(scene: &Scene, tick: &Tick) -> SceneUpdate {
+    bodies_at(scene, tick.measurement.t_s)
+}
+
+/// The same at a time, s.
+pub(crate) fn bodies_at(scene: &Scene, t_s: f64) -> SceneUpdate {
     SceneUpdate {
         deletions: Vec::new(),
-        entities: scene.bodies.iter().map(|body| entity(body, tick)).collect(),
+        entities: scene.bodies.iter().map(|body| entity(body, t_s)).collect(),
     }
 }
 
 /// Contact forces as arrows; an empty list removes the arrows of before.
 pub(super) fn contacts(tick: &Tick) -> SceneUpdate {
     let contacts = tick.truth.as_ref().map_or(&[][..], |truth| &truth.contacts);
-    let arrows = contacts.iter().filter_map(arrow).collect();
+    contacts_at(tick.measurement.t_s, contacts.iter().copied())
+}
+
+/// These contact forces as arrows.
+pub(crate) fn contacts_at(t_s: f64, contacts: impl Iterator<Item = Contact>) -> SceneUpdate {
     let entity = SceneEntity {
-        timestamp: Some(timestamp(tick)),
+        timestamp: Some(timestamp(t_s)),
         frame_id: WORLD.to_owned(),
         id: "contacts".to_owned(),
-        arrows,
+        arrows: contacts.filter_map(|contact| arrow(&contact)).collect(),
         ..SceneEntity::default()
     };
     SceneUpdate { deletions: Vec::new(), entities: vec![entity] }
@@ -77,23 +115,28 @@ pub(super) fn contacts(tick: &Tick) -> SceneUpdate {
 
 /// The events of a tick as log lines.
 pub(super) fn logs(tick: &Tick) -> impl Iterator<Item = Log> {
-    tick.events.iter().map(|event| Log {
-        timestamp: Some(timestamp(tick)),
-        level: match event.kind {
+    tick.events.iter().map(|event| log_line(tick.measurement.t_s, event.kind, &event.text))
+}
+
+/// An event as a log line.
+pub(crate) fn log_line(t_s: f64, kind: EventKind, text: &str) -> Log {
+    Log {
+        timestamp: Some(timestamp(t_s)),
+        level: match kind {
             EventKind::Fault => log::Level::Error,
             EventKind::Retry | EventKind::Disturbance => log::Level::Warning,
             _ => log::Level::Info,
         } as i32,
-        message: event.text.clone(),
-        name: format!("{:?}", event.kind).to_lowercase(),
+        message: text.to_owned(),
+        name: format!("{kind:?}").to_lowercase(),
         file: String::new(),
         line: 0,
-    })
+    }
 }
 
-fn entity(body: &SceneBody, tick: &Tick) -> SceneEntity {
+fn entity(body: &SceneBody, t_s: f64) -> SceneEntity {
     let mut entity = SceneEntity {
-        timestamp: Some(timestamp(tick)),
+        timestamp: Some(timestamp(t_s)),
         frame_id: if body.moving { body.name.clone() } else { WORLD.to_owned() },
         id: body.name.clone(),
         lifetime: Some(Duration::new(0, 0)),
@@ -216,8 +259,8 @@ fn color(rgba: [f32; 4]) -> Color {
     Color { r, g, b, a }
 }
 
-fn timestamp(tick: &Tick) -> Timestamp {
-    Timestamp::saturating_from_epoch_secs_f64(tick.measurement.t_s.max(0.0))
+fn timestamp(t_s: f64) -> Timestamp {
+    Timestamp::saturating_from_epoch_secs_f64(t_s.max(0.0))
 }
 
 #[cfg(test)]

@@ -1,0 +1,136 @@
+//! Files that are whole and yet not what one hoped for: what is wrong is said, and what could be used.
+
+use std::collections::BTreeMap;
+use std::io::Cursor;
+
+use mcap::records::MessageHeader;
+use twin::mirror::gather::gather_from;
+use twin::mirror::{Map, OpenedFlight, Survey};
+
+use super::made::{Form, PLAIN, file, flight};
+
+/// A channel to write: topic, schema, its encoding and text, encoding of the messages.
+type Channel<'a> = (&'a str, &'a str, &'a str, &'a str, &'a str);
+
+/// A file of these channels; each message is `(channel, time in ms, bytes)`.
+fn made(channels: &[Channel<'_>], messages: &[(usize, u64, Vec<u8>)]) -> Vec<u8> {
+    let mut writer = mcap::WriteOptions::new()
+        .compression(None)
+        .create(Cursor::new(Vec::new()))
+        .expect("a writer");
+    let ids: Vec<u16> = channels
+        .iter()
+        .map(|(topic, schema, encoding, text, message)| {
+            let schema = writer.add_schema(schema, encoding, text.as_bytes()).expect("a schema");
+            writer.add_channel(schema, topic, message, &BTreeMap::new()).expect("a channel")
+        })
+        .collect();
+    for (sequence, (channel, time_ms, data)) in messages.iter().enumerate() {
+        let log_time = time_ms * 1_000_000;
+        let header = MessageHeader {
+            channel_id: ids[*channel],
+            sequence: sequence as u32,
+            log_time,
+            publish_time: log_time,
+        };
+        writer.write_to_known_channel(&header, data).expect("written");
+    }
+    writer.finish().expect("finished");
+    writer.into_inner().into_inner()
+}
+
+fn float64(value: f64) -> Vec<u8> {
+    [&[0, 1, 0, 0][..], &value.to_le_bytes()].concat()
+}
+
+fn map(text: &str) -> Map {
+    Map::parse(text, "test").expect("a map")
+}
+
+#[test]
+fn an_unknown_compression_is_named_and_nothing_is_made_of_it() {
+    let whole = flight(Form { seconds: 1.0, compression: Some(mcap::Compression::Zstd), ..PLAIN });
+    let name = [&4_u32.to_le_bytes()[..], b"zstd"].concat();
+    let other = [&4_u32.to_le_bytes()[..], b"zpaq"].concat();
+    let mut bytes = whole;
+    for at in 0..bytes.len() - name.len() {
+        if bytes[at..].starts_with(&name) {
+            bytes[at..at + name.len()].copy_from_slice(&other);
+        }
+    }
+    let survey = Survey::read_from(&mut &bytes[..]).expect("an MCAP");
+    assert_eq!((survey.messages, survey.container.chunks), (0, 0));
+    assert!(survey.container.problems[0].contains("zpaq"), "{:?}", survey.container.problems);
+    let path = file("zpaq.mcap", &bytes);
+    let error = OpenedFlight::open(&path, None).expect_err("no message").to_string();
+    assert!(error.contains("no position and no attitude") && error.contains("none"), "{error}");
+}
+
+#[test]
+fn an_unknown_encoding_is_named_with_those_that_are_read() {
+    let channel = ("/pose", "x/msg/Pose", "flatbuffer", "?", "flatbuffer");
+    let bytes = made(&[channel], &[(0, 1, vec![1, 2, 3])]);
+    let map = map("[[topic]]\ntopic = \"/pose\"\n[topic.gives.battery]\npaths = [\"v\"]\n");
+    let notes = gather_from(&mut &bytes[..], &map).expect("an MCAP").notes;
+    assert!(notes[0].contains("flatbuffer") && notes[0].contains("ros2msg with cdr"), "{notes:?}");
+}
+
+#[test]
+fn two_definitions_under_one_name_are_each_used_for_their_own_channel() {
+    let (short, long) = ("float64 v\n", "float64 before\nfloat64 v\n");
+    let channels =
+        [("/a", "x/msg/Log", "ros2msg", short, "cdr"), ("/b", "x/msg/Log", "ros2msg", long, "cdr")];
+    let two = [float64(7.0), 12.5_f64.to_le_bytes().to_vec()].concat();
+    let bytes = made(&channels, &[(0, 1, float64(11.5)), (1, 2, two)]);
+    let survey = Survey::read_from(&mut &bytes[..]).expect("an MCAP");
+    assert_eq!(survey.ambiguous_schemas, ["x/msg/Log"]);
+    let map = map("[[topic]]\nschema = \"x/msg/Log\"\n[topic.gives.battery]\npaths = [\"v\"]\n");
+    let gathered = gather_from(&mut &bytes[..], &map).expect("an MCAP");
+    let values: Vec<f64> = gathered.tracks.iter().map(|track| track.samples[0].values[0]).collect();
+    assert_eq!(values, [11.5, 12.5]);
+}
+
+#[test]
+fn a_recording_without_a_pose_says_what_it_has_instead() {
+    let channels = [
+        ("/battery", "x/msg/Volt", "ros2msg", "float64 v\n", "cdr"),
+        ("/empty", "x/msg/Volt", "ros2msg", "float64 v\n", "cdr"),
+    ];
+    let path = file("no_pose.mcap", &made(&channels, &[(0, 1, float64(11.0))]));
+    let error = OpenedFlight::open(&path, None).expect_err("no pose").to_string();
+    for wanted in ["no_pose.mcap", "no position and no attitude", "--map", "/battery (x/msg/Volt)"]
+    {
+        assert!(error.contains(wanted), "{wanted}: {error}");
+    }
+    assert!(!error.contains("/empty"), "{error}");
+}
+
+#[test]
+fn times_that_run_backwards_repeat_or_stand_beside_nan_are_counted_and_left_out() {
+    let text = "float64 x\nfloat64 y\nfloat64 z\n";
+    let channel = ("/pose", "x/msg/Point", "ros2msg", text, "cdr");
+    let point =
+        |x: f64| [float64(x), 0.5_f64.to_le_bytes().into(), 1.0_f64.to_le_bytes().into()].concat();
+    let mut messages: Vec<(usize, u64, Vec<u8>)> =
+        (0..200).map(|i| (0, 1000 + i * 10, point(i as f64 * 0.01))).collect();
+    messages[50].1 -= 200;
+    messages[60].1 = messages[59].1;
+    messages[70].2 = point(f64::NAN);
+    let map_file = file(
+        "point.toml",
+        b"[[topic]]\ntopic = \"/pose\"\n[topic.gives.position]\npaths = [\"x\", \"y\", \"z\"]\nunit = \"m\"\n",
+    );
+    let path = file("times.mcap", &made(&[channel], &messages));
+    let opened = OpenedFlight::open(&path, map_file.to_str()).expect("a position");
+    let timing = opened.signals.used[0].timing;
+    assert_eq!(
+        (timing.samples, timing.backwards, timing.duplicate, timing.not_finite),
+        (197, 1, 1, 1)
+    );
+    for (tick, instant) in opened.recorded.instants.iter().enumerate() {
+        let x = instant.chi[0].expect("no hole");
+        // A line stays a line whatever was left out; time starts with the first sample.
+        assert!((x - opened.recorded.times_s[tick]).abs() < 1e-9, "{tick}: {x}");
+        assert_eq!(instant.chi[3], None);
+    }
+}

@@ -1,0 +1,9 @@
+//! Flights that others recorded: made files of every kind, damage of every kind, and the real ones where they are at hand.
+
+mod damage;
+mod long;
+pub(crate) mod made;
+mod misfits;
+mod program;
+mod real;
+mod round_trip;

@@ -1,0 +1,98 @@
+//! `twin info` and `twin mirror` through the real program.
+
+use std::process::{Command, Output, Stdio};
+
+use super::made::{PLAIN, file, flight};
+
+fn twin(arguments: &[&str]) -> (Output, String) {
+    let output =
+        Command::new(env!("CARGO_BIN_EXE_twin")).args(arguments).output().expect("it starts");
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(!stderr.contains("panicked"), "{stderr}");
+    (output, stderr)
+}
+
+fn json(output: &Output) -> serde_json::Value {
+    serde_json::from_slice(&output.stdout).expect("exactly one JSON object")
+}
+
+#[test]
+fn a_flight_is_surveyed_and_mirrored_to_one_json_object_each() {
+    let path = file("program.mcap", &flight(PLAIN));
+    let path = path.to_str().expect("text");
+    let (info, _) = twin(&["info", path, "--json"]);
+    assert_eq!((info.status.code(), json(&info)["messages"].as_u64()), (Some(0), Some(5000)));
+    let (mirror, _) = twin(&["mirror", path, "--headless", "--json"]);
+    assert_eq!(mirror.status.code(), Some(0));
+    let found = json(&mirror);
+    assert_eq!(found["effort"]["kind"], "fitted");
+    assert_eq!(found["shadow"]["prediction"].as_array().map(Vec::len), Some(7));
+    assert_eq!(found["forces_are_per_kilogram"], true);
+}
+
+#[test]
+fn a_cut_file_is_reported_with_exit_code_1_and_still_mirrored() {
+    let whole = flight(PLAIN);
+    let path = file("program_cut.mcap", &whole[..whole.len() / 2]);
+    let path = path.to_str().expect("text");
+    let (info, _) = twin(&["info", path]);
+    let text = String::from_utf8_lossy(&info.stdout).into_owned();
+    assert_eq!(info.status.code(), Some(1));
+    assert!(text.contains("PROBLEM") && text.contains("the file ends at byte"), "{text}");
+    let (mirror, stderr) = twin(&["mirror", path, "--headless", "--json"]);
+    assert_eq!(mirror.status.code(), Some(0));
+    assert!(stderr.contains("the file ends at byte"), "{stderr}");
+}
+
+#[test]
+fn unusable_input_is_refused_with_exit_code_2_and_what_to_do() {
+    let text = file("text.mcap", b"hello, this is text");
+    let bad_map = file("bad.toml", b"[[topic]]\ntopic = \"/x\"\n[topic.gives.speed]\npaths = []\n");
+    let path = file("fine.mcap", &flight(PLAIN));
+    let name = |path: &std::path::Path| path.to_str().expect("text").to_owned();
+    for (arguments, wanted) in [
+        (vec!["info".to_owned(), name(&text)], ["not an MCAP file", "hello"]),
+        (vec!["info".to_owned(), "absent.mcap".to_owned()], ["absent.mcap", "check the path"]),
+        (
+            vec!["mirror".into(), name(&path), "--headless".into(), "--map".into(), name(&bad_map)],
+            ["bad.toml", "speed"],
+        ),
+        (
+            vec![
+                "mirror".into(),
+                name(&path),
+                "--headless".into(),
+                "--map".into(),
+                "nowhere".into(),
+            ],
+            ["nowhere", "crazyflie"],
+        ),
+    ] {
+        let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+        let (output, stderr) = twin(&arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {stderr}");
+        assert!(output.stdout.is_empty());
+        assert!(stderr.matches("not an MCAP file").count() < 2, "said twice: {stderr}");
+        for part in wanted {
+            assert!(stderr.contains(part), "{arguments:?}: {part:?} is missing in: {stderr}");
+        }
+    }
+}
+
+#[test]
+fn a_reader_that_stops_reading_ends_the_program_without_a_word() {
+    let path = file("head.mcap", &flight(PLAIN));
+    let mut child = Command::new(env!("CARGO_BIN_EXE_twin"))
+        .arg("info")
+        .arg(&path)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("it starts");
+    drop(child.stdout.take());
+    let output = child.wait_with_output().expect("it ends");
+    assert_eq!(
+        (output.status.code(), String::from_utf8_lossy(&output.stderr)),
+        (Some(0), "".into())
+    );
+}

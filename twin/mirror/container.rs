@@ -1,0 +1,250 @@
+//! Any MCAP file (or ULog, see `ulog`), also a damaged one: its records in file order, and in words what is wrong with it.
+//!
+//! In: bytes. Out: schemas, channels and messages through a callback, then [`Findings`]. A chunk whose checksum does not hold
+//! is left out whole, so damage never yields a wrong value; a chunk that the end of the file cuts off is read to its last whole
+//! record. One chunk is held at a time.
+
+use std::collections::BTreeSet;
+use std::io::{ErrorKind, Read};
+
+use mcap::records::Record;
+use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use serde::Serialize;
+
+/// Longest record and chunk that is read.
+const LONGEST_RECORD_BYTES: u64 = 256 << 20;
+
+/// Most problems that are kept; the rest is counted.
+const MOST_PROBLEMS: usize = 20;
+
+/// Opcodes that are read by this file itself: footer, chunk, end of the data.
+const FOOTER: u8 = 0x02;
+const CHUNK: u8 = 0x06;
+const DATA_END: u8 = 0x0F;
+
+/// Length of opcode and length before every record.
+const HEAD_BYTES: usize = 9;
+
+/// What the file is like as a container.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Findings {
+    /// Profile named in the header, such as `ros2`.
+    pub profile: String,
+    /// Program that wrote the file.
+    pub library: String,
+    /// Compressions met: `none`, `zstd`, `lz4` or an unknown word.
+    pub compressions: BTreeSet<String>,
+    /// Chunks read whole.
+    pub chunks: u64,
+    /// Chunks left out, because they are damaged or cannot be unpacked.
+    pub chunks_lost: u64,
+    /// The data section ends as it should and a footer follows.
+    pub complete: bool,
+    /// Times a flight controller could not keep up with logging.
+    pub dropouts: u64,
+    /// What is wrong, a sentence each.
+    pub problems: Vec<String>,
+    /// Problems beyond those listed.
+    pub more_problems: u64,
+}
+
+impl Findings {
+    /// Notes a problem; beyond a number they are only counted.
+    pub fn problem(&mut self, text: String) {
+        if self.problems.len() < MOST_PROBLEMS {
+            self.problems.push(text);
+        } else {
+            self.more_problems += 1;
+        }
+    }
+}
+
+/// Why nothing can be read.
+#[derive(Debug, thiserror::Error)]
+pub enum ContainerError {
+    /// The system refuses.
+    #[error("cannot be read: {0}; check the path and the permissions")]
+    Unreadable(#[from] std::io::Error),
+    /// It is something else.
+    #[error("not an MCAP file: it starts with {found:?}, expected {expected:?} (or a ULog, which starts with \"ULog\"); check the path, or convert it with the `mcap` tool", expected = mcap::MAGIC.escape_ascii().to_string())]
+    NotMcap {
+        /// Its first bytes.
+        found: String,
+    },
+}
+
+/// Reads `input` to its end or to where it breaks; `on` sees every schema, channel, message and metadata record.
+///
+/// # Errors
+/// [`ContainerError`] if the system refuses or the file is no MCAP; anything later is a problem in the findings.
+pub fn read(
+    input: &mut impl Read,
+    on: &mut dyn FnMut(Record<'_>),
+) -> Result<Findings, ContainerError> {
+    let mut magic = Vec::new();
+    input.take(mcap::MAGIC.len() as u64).read_to_end(&mut magic)?;
+    if let Some(rest) = magic.strip_prefix(&super::ulog::MAGIC) {
+        return super::ulog::read(&mut rest.chain(input), on);
+    }
+    if magic != mcap::MAGIC {
+        return Err(ContainerError::NotMcap { found: magic.escape_ascii().to_string() });
+    }
+    let mut findings = Findings::default();
+    let mut record = Vec::new();
+    let mut offset = mcap::MAGIC.len() as u64;
+    loop {
+        match next(input, &mut record)? {
+            Next::Record => {
+                if !take(&record, offset, &mut findings, on) {
+                    return Ok(findings);
+                }
+            }
+            Next::TooLong(length) => {
+                findings.problem(format!(
+                    "record at byte {offset} claims {length} bytes, at most {LONGEST_RECORD_BYTES} are read: the file is damaged from there on"
+                ));
+                return Ok(findings);
+            }
+            Next::End => {
+                cut_off(&record, offset, &mut findings, on);
+                return Ok(findings);
+            }
+        }
+        offset += record.len() as u64;
+    }
+}
+
+enum Next {
+    /// One whole record with its head.
+    Record,
+    /// A record that no recorder writes.
+    TooLong(u64),
+    /// The file ends here; what is left of a record is in the buffer.
+    End,
+}
+
+/// The next record with its head into `record`.
+fn next(input: &mut impl Read, record: &mut Vec<u8>) -> std::io::Result<Next> {
+    record.clear();
+    fill(input, HEAD_BYTES as u64, record)?;
+    let Some(length) = record.get(1..HEAD_BYTES).and_then(|bytes| bytes.try_into().ok()) else {
+        return Ok(Next::End);
+    };
+    let length = u64::from_le_bytes(length);
+    if length > LONGEST_RECORD_BYTES {
+        return Ok(Next::TooLong(length));
+    }
+    let whole = fill(input, length, record)?;
+    Ok(if whole { Next::Record } else { Next::End })
+}
+
+/// Appends `length` bytes if there are so many; false at the end of the file.
+pub(super) fn fill(
+    input: &mut impl Read,
+    length: u64,
+    record: &mut Vec<u8>,
+) -> std::io::Result<bool> {
+    match input.take(length).read_to_end(record) {
+        Ok(read) => Ok(read as u64 == length),
+        Err(error) if error.kind() == ErrorKind::UnexpectedEof => Ok(false),
+        Err(error) => Err(error),
+    }
+}
+
+/// One record of the file; false after the end of the data.
+fn take(
+    record: &[u8],
+    offset: u64,
+    findings: &mut Findings,
+    on: &mut dyn FnMut(Record<'_>),
+) -> bool {
+    let (opcode, body) = (record[0], &record[HEAD_BYTES..]);
+    match opcode {
+        // What follows is an index of what was read.
+        DATA_END | FOOTER => {
+            findings.complete = true;
+            false
+        }
+        CHUNK => {
+            chunk(record, offset, findings, on);
+            true
+        }
+        _ => {
+            match mcap::parse_record(opcode, body) {
+                Ok(Record::Header(header)) => {
+                    findings.profile = header.profile;
+                    findings.library = header.library;
+                }
+                Ok(record) => on(record),
+                Err(error) => {
+                    findings.problem(format!("record at byte {offset} is not readable: {error}"));
+                }
+            }
+            true
+        }
+    }
+}
+
+/// A whole chunk: all of its records, or none of them.
+fn chunk(record: &[u8], offset: u64, findings: &mut Findings, on: &mut dyn FnMut(Record<'_>)) {
+    if let Ok(Record::Chunk { header, .. }) = mcap::parse_record(CHUNK, &record[HEAD_BYTES..]) {
+        let name = if header.compression.is_empty() { "none".into() } else { header.compression };
+        findings.compressions.insert(name);
+    }
+    let mut seen = 0_u64;
+    let end = unpack(record, true, &mut |record| {
+        seen += 1;
+        on(record);
+    });
+    match end {
+        Ok(()) => findings.chunks += 1,
+        Err(why) => {
+            findings.chunks_lost += 1;
+            findings.problem(format!(
+                "chunk at byte {offset} is damaged or unknown ({why}): {seen} of its records could be used"
+            ));
+        }
+    }
+}
+
+/// What is left of the last record of a file that ends too early.
+fn cut_off(rest: &[u8], offset: u64, findings: &mut Findings, on: &mut dyn FnMut(Record<'_>)) {
+    let mut seen = 0_u64;
+    if rest.first() == Some(&CHUNK) && rest.len() > HEAD_BYTES {
+        // How it ends is known: too early.
+        let _ = unpack(rest, false, &mut |record| {
+            seen += 1;
+            on(record);
+        });
+    }
+    findings.problem(format!(
+        "the file ends at byte {} without an end of its data: the recorder was stopped or the copy is not whole; {seen} records of the last piece could be used",
+        offset + rest.len() as u64
+    ));
+}
+
+/// The records inside a chunk record; `checked` compares the checksum before the first of them is seen.
+fn unpack(
+    mut bytes: &[u8],
+    checked: bool,
+    on: &mut dyn FnMut(Record<'_>),
+) -> Result<(), mcap::McapError> {
+    let options = LinearReaderOptions::default()
+        .with_skip_start_magic(true)
+        .with_skip_end_magic(true)
+        .with_prevalidate_chunk_crcs(checked)
+        .with_record_length_limit(LONGEST_RECORD_BYTES as usize);
+    let mut reader = LinearReader::new_with_options(options);
+    while let Some(event) = reader.next_event() {
+        match event? {
+            LinearReadEvent::ReadRequest(wanted) => {
+                let (part, rest) = bytes.split_at(wanted.min(bytes.len()));
+                reader.insert(part.len()).copy_from_slice(part);
+                reader.notify_read(part.len());
+                bytes = rest;
+            }
+            LinearReadEvent::Record { opcode, data } => on(mcap::parse_record(opcode, data)?),
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,319 @@
+//! The messages a map asks for, decoded into samples of quantities, with their times on one clock.
+//!
+//! In: a recording and a [`Map`]. Out: one [`Track`] per channel and quantity.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{BufReader, Read};
+
+use mcap::records::Record;
+
+use super::cdr;
+use super::container::{self, ContainerError};
+use super::schema::Layout;
+use super::topics::{Fields, Map, Quantity, Rule, TimeSource};
+use super::ulog;
+use super::value::{Path, Value};
+
+/// A message's numbers in SI units, in the axes of its topic.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sample {
+    /// When it was logged, ns.
+    pub log_ns: u64,
+    /// When it was measured by its own clock, ns, if it says so.
+    pub stamp_ns: Option<i64>,
+    /// Numbers.
+    pub values: Vec<f64>,
+}
+
+/// One quantity of one channel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Track {
+    /// Topic.
+    pub topic: String,
+    /// Schema.
+    pub schema: String,
+    /// Number of the rule; smaller is better.
+    pub rank: usize,
+    /// The rule.
+    pub rule: Rule,
+    /// What the numbers are.
+    pub quantity: Quantity,
+    /// Names of the joints, if it is those.
+    pub names: Vec<String>,
+    /// Samples in file order.
+    pub samples: Vec<Sample>,
+}
+
+/// All tracks, and what could not be decoded.
+#[derive(Clone, Debug, Default)]
+pub struct Gathered {
+    /// Tracks by topic.
+    pub tracks: Vec<Track>,
+    /// What went wrong, a sentence each.
+    pub notes: Vec<String>,
+}
+
+/// Reads what `map` asks for.
+///
+/// # Errors
+/// [`ContainerError`] if nothing can be read.
+pub fn gather(file: &std::path::Path, map: &Map) -> Result<Gathered, ContainerError> {
+    gather_from(&mut BufReader::new(File::open(file)?), map)
+}
+
+/// The same from any bytes.
+///
+/// # Errors
+/// [`ContainerError`] if nothing can be read.
+pub fn gather_from(input: &mut impl Read, map: &Map) -> Result<Gathered, ContainerError> {
+    let mut collector = Collector::new(map);
+    container::read(input, &mut |record| collector.take(record))?;
+    Ok(collector.finish())
+}
+
+enum Form {
+    Cdr(Layout),
+    Ulog(Layout),
+    Json,
+}
+
+struct Channel {
+    form: Form,
+    topic: String,
+    time: Option<(bool, Path)>,
+    quantities: Vec<Extract>,
+    tracks: Vec<Track>,
+    undecodable: u64,
+    first_error: String,
+}
+
+struct Extract {
+    quantity: Quantity,
+    paths: Vec<Path>,
+    fields: Fields,
+    only_if: Option<(Path, Vec<f64>)>,
+}
+
+struct Collector<'a> {
+    map: &'a Map,
+    schemas: BTreeMap<u16, (String, String, Vec<u8>)>,
+    channels: BTreeMap<u16, Channel>,
+    notes: Vec<String>,
+}
+
+impl<'a> Collector<'a> {
+    fn new(map: &'a Map) -> Self {
+        Self { map, schemas: BTreeMap::new(), channels: BTreeMap::new(), notes: Vec::new() }
+    }
+
+    fn take(&mut self, record: Record<'_>) {
+        match record {
+            Record::Schema { header, data } => {
+                let schema = (header.name, header.encoding, data.into_owned());
+                self.schemas.insert(header.id, schema);
+            }
+            Record::Channel(channel) => self.open(&channel),
+            Record::Message { header, data } => {
+                if let Some(channel) = self.channels.get_mut(&header.channel_id) {
+                    channel.message(header.log_time, &data, &self.map.vehicle.joints);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn open(&mut self, channel: &mcap::records::Channel) {
+        if self.channels.contains_key(&channel.id) {
+            return;
+        }
+        let nothing = (String::new(), String::new(), Vec::new());
+        let (name, encoding, text) = self.schemas.get(&channel.schema_id).unwrap_or(&nothing);
+        let Some((rank, rule)) = self.map.rule(&channel.topic, name) else { return };
+        // Further instances of a topic of a ULog are listed, not used.
+        let first = channel.metadata.get("instance").is_none_or(|instance| instance == "0");
+        if rule.gives.is_empty() || !first {
+            return;
+        }
+        let form = match (encoding.as_str(), channel.message_encoding.as_str()) {
+            ("ros2msg", "cdr") => {
+                Layout::parse(name, &String::from_utf8_lossy(text)).map(Form::Cdr)
+            }
+            (ulog::ENCODING, _) => {
+                Layout::parse_ulog(&String::from_utf8_lossy(text)).map(Form::Ulog)
+            }
+            (_, "json") => Ok(Form::Json),
+            (schema, message) => Err(format!(
+                "schema encoding {schema:?} with message encoding {message:?} is not read; read are ros2msg with cdr, and json"
+            )),
+        };
+        match form.and_then(|form| Channel::new(form, &channel.topic, name, rank, rule)) {
+            Ok(opened) => {
+                self.channels.insert(channel.id, opened);
+            }
+            Err(why) => self.notes.push(format!("{}: {why}", channel.topic)),
+        }
+    }
+
+    fn finish(self) -> Gathered {
+        let mut notes = self.notes;
+        let mut tracks = Vec::new();
+        for channel in self.channels.into_values() {
+            if channel.undecodable > 0 {
+                notes.push(format!(
+                    "{}: {} messages could not be decoded: {}",
+                    channel.topic, channel.undecodable, channel.first_error
+                ));
+            }
+            tracks.extend(channel.tracks);
+        }
+        Gathered { tracks, notes }
+    }
+}
+
+impl Channel {
+    fn new(
+        form: Form,
+        topic: &str,
+        schema: &str,
+        rank: usize,
+        rule: &Rule,
+    ) -> Result<Self, String> {
+        let time = match &rule.time {
+            TimeSource::Log => None,
+            TimeSource::Stamp { path } => Some((true, Path::parse(path)?)),
+            TimeSource::Microseconds { path } => Some((false, Path::parse(path)?)),
+        };
+        let extract = |(quantity, fields): (&Quantity, &Fields)| {
+            let paths = fields.paths.iter().map(|path| Path::parse(path)).collect::<Result<_, _>>();
+            let only_if = match &fields.only_if {
+                None => None,
+                Some(condition) => Some((Path::parse(&condition.path)?, condition.is.clone())),
+            };
+            Ok(Extract { quantity: *quantity, paths: paths?, fields: fields.clone(), only_if })
+        };
+        let track = |quantity: &Quantity| Track {
+            topic: topic.to_owned(),
+            schema: schema.to_owned(),
+            rank,
+            rule: rule.clone(),
+            quantity: *quantity,
+            names: Vec::new(),
+            samples: Vec::new(),
+        };
+        Ok(Self {
+            form,
+            topic: topic.to_owned(),
+            time,
+            quantities: rule.gives.iter().map(extract).collect::<Result<_, String>>()?,
+            tracks: rule.gives.keys().map(track).collect(),
+            undecodable: 0,
+            first_error: String::new(),
+        })
+    }
+
+    fn message(&mut self, log_ns: u64, data: &[u8], joints: &[String]) {
+        let value = match &self.form {
+            Form::Cdr(layout) => cdr::decode(layout, data),
+            Form::Ulog(layout) => cdr::decode_packed(layout, data),
+            Form::Json => serde_json::from_slice::<serde_json::Value>(data)
+                .map(Value::from)
+                .map_err(|error| error.to_string()),
+        };
+        match value {
+            Ok(value) => {
+                let stamp_ns = self.time.as_ref().and_then(|time| stamp(&value, time));
+                for (extract, track) in self.quantities.iter().zip(&mut self.tracks) {
+                    if let Some(values) = extract.values(&value, joints, &mut track.names) {
+                        track.samples.push(Sample { log_ns, stamp_ns, values });
+                    }
+                }
+            }
+            Err(why) => {
+                self.undecodable += 1;
+                if self.first_error.is_empty() {
+                    self.first_error = why;
+                }
+            }
+        }
+    }
+}
+
+/// The time a message says it was measured at, ns; zero means that nobody filled it in.
+fn stamp(value: &Value, (is_stamp, path): &(bool, Path)) -> Option<i64> {
+    let ns = if *is_stamp {
+        let stamp = value.at(path)?;
+        let part = |name: &str| stamp.number(&Path::parse(name).ok()?);
+        (part("sec")? as i64)
+            .checked_mul(1_000_000_000)?
+            .checked_add(part("nanosec").or_else(|| part("nsec"))? as i64)?
+    } else {
+        (value.number(path)? as i64).checked_mul(1000)?
+    };
+    (ns != 0).then_some(ns)
+}
+
+impl Extract {
+    fn values(
+        &self,
+        value: &Value,
+        joints: &[String],
+        names: &mut Vec<String>,
+    ) -> Option<Vec<f64>> {
+        if let Some((path, allowed)) = &self.only_if
+            && !allowed.contains(&value.number(path)?)
+        {
+            return None;
+        }
+        let raw = match self.quantity {
+            Quantity::Joints => joint_angles(
+                value.at(self.paths.first()?)?,
+                value.at(self.paths.get(1)?)?,
+                joints,
+                names,
+            )?,
+            Quantity::Motors => self
+                .paths
+                .iter()
+                .flat_map(|path| match value.number(path) {
+                    Some(number) => vec![number],
+                    None => value.at(path).map(Value::numbers).unwrap_or_default(),
+                })
+                .filter(|output| output.is_finite())
+                .collect(),
+            _ => self.paths.iter().map(|path| value.number(path)).collect::<Option<Vec<f64>>>()?,
+        };
+        let factor = self.fields.factor();
+        let scaled = raw.iter().enumerate().map(|(i, number)| {
+            let scale = self.fields.scale.get(i).copied().unwrap_or(1.0);
+            let number = number * factor * scale + self.fields.offset;
+            match self.fields.clip {
+                Some([low, high]) if number.is_finite() => number.max(low).min(high),
+                _ => number,
+            }
+        });
+        Some(scaled.collect())
+    }
+}
+
+/// Angles of the two joints that have rows; `names` is filled by the first message.
+fn joint_angles(
+    names_found: &Value,
+    angles: &Value,
+    wanted: &[String],
+    names: &mut Vec<String>,
+) -> Option<Vec<f64>> {
+    let found = names_found.texts();
+    if names.is_empty() {
+        let chosen: Vec<String> = if wanted.is_empty() {
+            found.iter().map(|name| (*name).to_owned()).collect()
+        } else {
+            wanted.to_vec()
+        };
+        *names = chosen.into_iter().take(2).collect();
+    }
+    let angles = angles.numbers();
+    let one = |name: &String| angles.get(found.iter().position(|known| known == name)?).copied();
+    let both = names.iter().map(one).collect::<Option<Vec<f64>>>()?;
+    (!both.is_empty()).then_some(both)
+}

@@ -1,0 +1,344 @@
+//! A recorded flight on the ticks of the loop: coordinates, rates, accelerations and applied force, with what is known of them.
+//!
+//! Position is interpolated by cubics, attitude by SLERP, the rest linearly; inside gaps nothing is known. Acceleration is the
+//! best of: slope of a measured rate, accelerometer, curvature of the pose. It passes `H`, and a second time where the pose was
+//! differentiated twice, because `H` alone leaves that noise as it is. Applied force passes the same.
+
+use std::sync::Arc;
+
+use nalgebra::{Vector2, Vector3};
+use serde::Serialize;
+
+use super::effort::{Effort, effort};
+use super::grid::{Ticks, curvature, filtered, filtered_times, slope};
+use super::inertial;
+use super::signals::Signals;
+use super::topics::VehicleFacts;
+use crate::notation::{
+    Coords, N, TICK_S, body_rate_from_euler_rate, euler_from_rotation, euler_rate_from_body_rate,
+    world_from_body, wrap_angle,
+};
+use crate::source::{Disturbance, InnerLoop, Source};
+use crate::tick::{GripperReading, Measurement, Setpoint, Truth};
+
+/// Longest flight, ticks: ten hours.
+const MOST_TICKS: f64 = 3.6e6;
+
+/// One tick; `None` is unknown.
+#[derive(Clone, Debug, Default)]
+pub struct Instant {
+    /// Coordinates per row.
+    pub chi: [Option<f64>; N],
+    /// Rates per row.
+    pub chi_dot: [Option<f64>; N],
+    /// Accelerations through `H` per row.
+    pub chi_ddot: [Option<f64>; N],
+    /// Applied generalised force through `H` per row.
+    pub tau: [Option<f64>; N],
+}
+
+/// A whole flight.
+#[derive(Clone, Debug)]
+pub struct RecordedFlight {
+    /// Time of every tick, s from the first sample of the recording.
+    pub times_s: Vec<f64>,
+    /// Ticks.
+    pub instants: Vec<Instant>,
+    /// Where the applied force comes from.
+    pub effort: Effort,
+    /// Mass in use, kg: as given, else as it fits the wrench, else 1.
+    pub mass_kg: f64,
+    /// Whether the vehicle flies, per tick, as far as its thrust tells.
+    pub airborne: Vec<bool>,
+    /// `M_bar` that the residual is to be formed with; `None` for one of the mass and inertia that are known.
+    pub nominal_inertia: Option<Coords>,
+    /// Where the accelerations of translation and rotation come from.
+    pub acceleration: [Derivation; 2],
+}
+
+/// How an acceleration was got.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Derivation {
+    /// Slope of a measured velocity or angular velocity.
+    MeasuredRate,
+    /// Accelerometer, its bias corrected by the position.
+    Accelerometer,
+    /// Twice differentiated pose.
+    Pose,
+    /// As it was recorded by this program.
+    Recorded,
+    /// There is nothing to derive it from.
+    Unknown,
+}
+
+impl Derivation {
+    /// How often the acceleration and the force of the same rows pass `H`.
+    fn passes(self) -> usize {
+        if self == Self::Pose { 2 } else { 1 }
+    }
+}
+
+/// Why there is nothing to mirror.
+#[derive(Debug, thiserror::Error)]
+pub enum MirrorError {
+    /// Neither position nor attitude.
+    #[error(
+        "no position and no attitude in this recording; say with --map which topic and fields hold them"
+    )]
+    NoPose,
+    /// Times that no flight has.
+    #[error(
+        "the recording spans {0:.0} s, at most ten hours are mirrored; a clock in it is broken"
+    )]
+    TooLong(f64),
+}
+
+/// Puts `signals` onto ticks.
+///
+/// # Errors
+/// [`MirrorError`] if there is no pose.
+pub fn on_ticks(signals: &Signals, facts: &VehicleFacts) -> Result<RecordedFlight, MirrorError> {
+    let spans = [
+        signals.position.as_ref().and_then(super::series::Series::span),
+        signals.attitude.as_ref().and_then(super::series::Attitudes::span),
+    ];
+    let spans = || spans.iter().flatten();
+    let start_s = spans().map(|span| span.0).reduce(f64::min).ok_or(MirrorError::NoPose)?;
+    let end_s = spans().map(|span| span.1).fold(start_s, f64::max);
+    let ticks = ((end_s - start_s) / TICK_S).floor() + 1.0;
+    if ticks > MOST_TICKS {
+        return Err(MirrorError::TooLong(end_s - start_s));
+    }
+    let times_s: Vec<f64> = (0..ticks as usize).map(|i| start_s + i as f64 * TICK_S).collect();
+    let mut instants = vec![Instant::default(); times_s.len()];
+    let eta = attitude(signals, &times_s);
+    let (acceleration, of_translation) = translation(signals, &times_s, &eta, &mut instants);
+    let of_rotation = rotation(signals, &times_s, &eta, &mut instants);
+    arm(signals, &times_s, &mut instants);
+    let mass_kg = facts.mass_kg.unwrap_or(1.0);
+    let found = effort(signals, &times_s, &eta, &acceleration, of_translation.passes(), mass_kg);
+    let effort = found.effort;
+    // A wrench in N without a mass beside it: the mass that fits the flight.
+    let mass_kg = match (&effort, facts.mass_kg) {
+        (Effort::Wrench { fit: Some(fit) }, None) if fit.gain > 0.0 => 1.0 / fit.gain,
+        _ => mass_kg,
+    };
+    let torque: Ticks<3> = match (&effort, &signals.torque) {
+        (Effort::Wrench { .. }, Some(torque)) => {
+            times_s.iter().map(|t| torque.linear(*t)).collect()
+        }
+        _ => vec![None; times_s.len()],
+    };
+    let force = per_attitude(&found.body_force, &eta, |eta, force| world_from_body(eta) * force);
+    let moment =
+        per_attitude(&torque, &eta, |eta, m| body_rate_from_euler_rate(eta).transpose() * m);
+    store(&mut instants, 0, &filtered_times(&force, of_translation.passes()), |i| &mut i.tau);
+    store(&mut instants, 3, &filtered_times(&moment, of_rotation.passes()), |i| &mut i.tau);
+    let acceleration = [of_translation, of_rotation];
+    Ok(RecordedFlight {
+        times_s,
+        instants,
+        effort,
+        mass_kg,
+        airborne: found.airborne,
+        nominal_inertia: None,
+        acceleration,
+    })
+}
+
+/// `f` of attitude and value where both are known.
+fn per_attitude(
+    values: &Ticks<3>,
+    eta: &Ticks<3>,
+    f: impl Fn(&Vector3<f64>, &Vector3<f64>) -> Vector3<f64>,
+) -> Ticks<3> {
+    values.iter().zip(eta).map(|(value, eta)| Some(f(eta.as_ref()?, value.as_ref()?))).collect()
+}
+
+fn store<const D: usize>(
+    instants: &mut [Instant],
+    first_row: usize,
+    values: &Ticks<D>,
+    of: impl Fn(&mut Instant) -> &mut [Option<f64>; N],
+) {
+    for (instant, value) in instants.iter_mut().zip(values) {
+        for row in 0..D {
+            of(instant)[first_row + row] = value.map(|v| v[row]);
+        }
+    }
+}
+
+/// `[phi theta psi]` per tick, `psi` unwrapped.
+fn attitude(signals: &Signals, times_s: &[f64]) -> Ticks<3> {
+    let Some(attitudes) = &signals.attitude else { return vec![None; times_s.len()] };
+    let mut last_psi: Option<f64> = None;
+    let unwrapped = |t_s: &f64| {
+        let q = attitudes.slerp(*t_s)?;
+        let mut eta = euler_from_rotation(q.to_rotation_matrix().matrix());
+        if let Some(last) = last_psi {
+            eta.z = last + wrap_angle(eta.z - last);
+        }
+        last_psi = Some(eta.z);
+        Some(eta)
+    };
+    times_s.iter().map(unwrapped).collect()
+}
+
+/// Rows x y z; returns the acceleration and how it was got.
+fn translation(
+    signals: &Signals,
+    times_s: &[f64],
+    eta: &Ticks<3>,
+    instants: &mut [Instant],
+) -> (Ticks<3>, Derivation) {
+    let Some(position) = &signals.position else {
+        return (vec![None; times_s.len()], Derivation::Unknown);
+    };
+    let chi: Ticks<3> = times_s.iter().map(|t_s| position.cubic(*t_s)).collect();
+    let measured: Option<Ticks<3>> = match (&signals.velocity, &signals.body_velocity) {
+        (Some(velocity), _) => Some(times_s.iter().map(|t_s| velocity.cubic(*t_s)).collect()),
+        (None, Some(velocity)) => {
+            let one = |(t_s, eta): (&f64, &Option<Vector3<f64>>)| {
+                Some(world_from_body(eta.as_ref()?) * velocity.cubic(*t_s)?)
+            };
+            Some(times_s.iter().zip(eta).map(one).collect())
+        }
+        (None, None) => None,
+    };
+    let (raw, derivation) = match (&measured, &signals.specific_force) {
+        (Some(velocity), _) => (slope(velocity), Derivation::MeasuredRate),
+        (None, Some(specific_force)) => {
+            let raw = inertial::acceleration(specific_force, times_s, eta, &chi);
+            (raw, Derivation::Accelerometer)
+        }
+        (None, None) => (curvature(&chi), Derivation::Pose),
+    };
+    let acceleration = filtered_times(&raw, derivation.passes());
+    let velocity = measured.unwrap_or_else(|| filtered(&slope(&chi), false));
+    store(instants, 0, &chi, |i| &mut i.chi);
+    store(instants, 0, &velocity, |i| &mut i.chi_dot);
+    store(instants, 0, &acceleration, |i| &mut i.chi_ddot);
+    (acceleration, derivation)
+}
+
+/// Rows phi theta psi; returns how the acceleration was got.
+fn rotation(
+    signals: &Signals,
+    times_s: &[f64],
+    eta: &Ticks<3>,
+    instants: &mut [Instant],
+) -> Derivation {
+    let measured: Option<Ticks<3>> = signals.body_rate.as_ref().map(|rate| {
+        let one = |(t_s, eta): (&f64, &Option<Vector3<f64>>)| {
+            Some(euler_rate_from_body_rate(eta.as_ref()?) * rate.cubic(*t_s)?)
+        };
+        times_s.iter().zip(eta).map(one).collect()
+    });
+    let (raw, derivation) = match &measured {
+        Some(rate) => (slope(rate), Derivation::MeasuredRate),
+        None => (curvature(eta), Derivation::Pose),
+    };
+    let acceleration = filtered_times(&raw, derivation.passes());
+    let rate = measured.unwrap_or_else(|| filtered(&slope(eta), false));
+    store(instants, 3, eta, |i| &mut i.chi);
+    store(instants, 3, &rate, |i| &mut i.chi_dot);
+    store(instants, 3, &acceleration, |i| &mut i.chi_ddot);
+    derivation
+}
+
+/// Rows q1 q2 for as many joints as there are; their torques are unknown.
+fn arm(signals: &Signals, times_s: &[f64], instants: &mut [Instant]) {
+    let Some((names, series)) = &signals.joints else { return };
+    let joints: Ticks<2> = times_s.iter().map(|t_s| series.cubic(*t_s)).collect();
+    let (rate, acceleration) =
+        (filtered(&slope(&joints), false), filtered(&curvature(&joints), true));
+    let only = |values: &Ticks<2>,
+                instants: &mut [Instant],
+                of: fn(&mut Instant) -> &mut [Option<f64>; N]| {
+        for (instant, value) in instants.iter_mut().zip(values) {
+            for row in 0..names.len().min(2) {
+                of(instant)[6 + row] = value.map(|v: Vector2<f64>| v[row]);
+            }
+        }
+    };
+    only(&joints, instants, |i| &mut i.chi);
+    only(&rate, instants, |i| &mut i.chi_dot);
+    only(&acceleration, instants, |i| &mut i.chi_ddot);
+}
+
+impl RecordedFlight {
+    /// The mass is neither given nor found: forces are per kilogram.
+    pub fn per_kilogram(&self, facts: &VehicleFacts) -> bool {
+        let known = matches!(self.effort, Effort::Wrench { fit: Some(_) } | Effort::Recorded);
+        facts.mass_kg.is_none() && !known
+    }
+
+    /// Whether a residual of `row` is known at a tick in the air: on the ground it would be the floor that is learned.
+    pub fn residual_counts(&self, tick: usize, row: usize) -> bool {
+        self.airborne.get(tick).copied().unwrap_or(false) && self.residual_known(tick, row)
+    }
+
+    /// Whether the residual of `row` is known at a tick.
+    pub fn residual_known(&self, tick: usize, row: usize) -> bool {
+        self.instants.get(tick).is_some_and(|i| i.tau[row].is_some() && i.chi_ddot[row].is_some())
+    }
+
+    /// The flight as the loop reads it. A row without a known residual gets the applied force that makes the residual equal
+    /// `nominal` (N, N m), so that nobody learns from it; its coordinate is the last known one.
+    pub fn measurements(&self, nominal: &Coords, nominal_inertia: &Coords) -> Vec<Measurement> {
+        let mut held = Coords::zeros();
+        let one = |(instant, t_s): (&Instant, &f64)| {
+            let mut of = |row: usize| {
+                held[row] = instant.chi[row].unwrap_or(held[row]);
+                held[row]
+            };
+            let chi = Coords::from_fn(|row, _| of(row));
+            let chi_ddot = Coords::from_fn(|row, _| instant.chi_ddot[row].unwrap_or(0.0));
+            let tau_applied =
+                Coords::from_fn(|row, _| match (instant.tau[row], instant.chi_ddot[row]) {
+                    (Some(tau), Some(_)) => tau,
+                    _ => nominal[row] + nominal_inertia[row] * chi_ddot[row],
+                });
+            Measurement {
+                t_s: *t_s,
+                chi,
+                chi_dot: Coords::from_fn(|row, _| instant.chi_dot[row].unwrap_or(0.0)),
+                chi_ddot,
+                tau_applied,
+                gripper: GripperReading::default(),
+                payload: None,
+                saturated: false,
+            }
+        };
+        self.instants.iter().zip(&self.times_s).map(one).collect()
+    }
+}
+
+/// Plays measurements; what it is told to do reaches nobody.
+pub struct RecordedSource {
+    measurements: Arc<[Measurement]>,
+    next: usize,
+}
+
+impl RecordedSource {
+    /// From `measurements[first]` on; `None` if there is none.
+    pub fn new(measurements: Arc<[Measurement]>, first: usize) -> Option<Self> {
+        (first < measurements.len()).then_some(Self { measurements, next: first })
+    }
+}
+
+impl Source for RecordedSource {
+    /// The next measurement; after the last one the last one again.
+    fn advance(&mut self, _setpoint: &Setpoint, _inner: &mut dyn InnerLoop) -> Measurement {
+        let measurement = self.measurements[self.next].clone();
+        self.next = (self.next + 1).min(self.measurements.len() - 1);
+        measurement
+    }
+
+    fn truth(&self) -> Option<Truth> {
+        None
+    }
+
+    fn disturb(&mut self, _disturbance: &Disturbance) {}
+}

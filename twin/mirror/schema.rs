@@ -1,0 +1,281 @@
+//! ROS 2 message definitions as recordings embed them (`ros2msg`: one text with all types a message is made of).
+//!
+//! In: the text. Out: a [`Layout`] that the decoder walks. Own code, because the published decoders reserve memory by lengths
+//! that a damaged message claims, and follow types that contain themselves.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Deepest nesting of types.
+const DEEPEST: usize = 16;
+
+/// A type that is not made of others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Primitive {
+    Bool,
+    I8,
+    U8,
+    I16,
+    U16,
+    I32,
+    U32,
+    I64,
+    U64,
+    F32,
+    F64,
+    Text,
+    WideText,
+}
+
+impl Primitive {
+    /// Bytes of a value, which are also its alignment; of a text those of its length.
+    pub(super) fn bytes(self) -> usize {
+        match self {
+            Self::Bool | Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::I32 | Self::U32 | Self::F32 | Self::Text | Self::WideText => 4,
+            Self::I64 | Self::U64 | Self::F64 => 8,
+        }
+    }
+
+    fn named(name: &str) -> Option<Self> {
+        Some(match name {
+            "bool" => Self::Bool,
+            "int8" => Self::I8,
+            "byte" | "char" | "uint8" => Self::U8,
+            "int16" => Self::I16,
+            "uint16" => Self::U16,
+            "int32" => Self::I32,
+            "uint32" => Self::U32,
+            "int64" => Self::I64,
+            "uint64" => Self::U64,
+            "float32" => Self::F32,
+            "float64" => Self::F64,
+            "string" => Self::Text,
+            "wstring" => Self::WideText,
+            _ => return None,
+        })
+    }
+}
+
+/// What a field holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    Primitive(Primitive),
+    /// Another type by its number.
+    Type(usize),
+}
+
+/// How often a field holds it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Count {
+    One,
+    Fixed(usize),
+    Sequence,
+}
+
+/// A field of a type.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Field {
+    pub(super) name: Arc<str>,
+    pub(super) kind: Kind,
+    pub(super) count: Count,
+}
+
+/// All types of a message, the message itself first. No type contains itself.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Layout {
+    pub(super) types: Vec<Vec<Field>>,
+}
+
+impl Layout {
+    /// Reads the definition `text` of the message `name` (`package/msg/Type`).
+    ///
+    /// # Errors
+    /// A sentence: what line or type is not understood.
+    pub fn parse(name: &str, text: &str) -> Result<Self, String> {
+        let mut names = vec![short(name)];
+        let mut bodies = vec![Vec::new()];
+        for line in text.lines() {
+            let line = strip_comment(line).trim();
+            if let Some(name) = line.strip_prefix("MSG:") {
+                names.push(short(name.trim()));
+                bodies.push(Vec::new());
+            } else if !line.is_empty() && !line.starts_with("===") {
+                bodies.last_mut().ok_or("no type")?.push(line);
+            }
+        }
+        let numbers: BTreeMap<&str, usize> =
+            names.iter().enumerate().rev().map(|(number, name)| (name.as_str(), number)).collect();
+        let types = names
+            .iter()
+            .zip(&bodies)
+            .map(|(name, lines)| {
+                lines.iter().filter_map(|line| field(line, name, &numbers).transpose()).collect()
+            })
+            .collect::<Result<Vec<Vec<Field>>, String>>()?;
+        let layout = Self { types };
+        layout.check_depth(0, 0)?;
+        Ok(layout)
+    }
+
+    /// Reads definitions as a ULog has them, `name:type field;type[3] field;…` on a line each, the message's own first.
+    ///
+    /// # Errors
+    /// As [`Self::parse`].
+    pub fn parse_ulog(text: &str) -> Result<Self, String> {
+        let lines: Vec<(&str, &str)> =
+            text.lines().filter_map(|line| line.split_once(':')).collect();
+        let named = |name: &str| format!("ulog/{name}");
+        let names: Vec<String> = lines.iter().map(|(name, _)| named(name)).collect();
+        let numbers: BTreeMap<&str, usize> =
+            names.iter().enumerate().rev().map(|(number, name)| (name.as_str(), number)).collect();
+        let types = lines
+            .iter()
+            .map(|(owner, fields)| {
+                let fields = fields.split(';').map(str::trim).filter(|field| !field.is_empty());
+                fields
+                    .filter_map(|text| {
+                        let (kind, rest) = text.split_once(' ').unwrap_or((text, ""));
+                        let line = format!("{} {rest}", ulog_kind(kind));
+                        field(&line, &named(owner), &numbers).transpose()
+                    })
+                    .collect()
+            })
+            .collect::<Result<Vec<Vec<Field>>, String>>()?;
+        let mut layout = Self { types };
+        let own = layout.types.first_mut().ok_or("no definition")?;
+        // Padding at the end of a message is not logged.
+        let logged = own.iter().rposition(|field| !field.name.starts_with("_padding"));
+        own.truncate(logged.map_or(0, |last| last + 1));
+        layout.check_depth(0, 0)?;
+        Ok(layout)
+    }
+
+    fn check_depth(&self, number: usize, depth: usize) -> Result<(), String> {
+        if depth > DEEPEST {
+            return Err(format!("types nest deeper than {DEEPEST}, or one contains itself"));
+        }
+        for field in &self.types[number] {
+            if let Kind::Type(inner) = field.kind {
+                self.check_depth(inner, depth + 1)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A type of a ULog as ROS 2 calls it.
+fn ulog_kind(kind: &str) -> String {
+    let (element, array) = kind.split_at(kind.find('[').unwrap_or(kind.len()));
+    let element = match element {
+        "float" => "float32",
+        "double" => "float64",
+        "char" => "uint8",
+        other => other.strip_suffix("_t").unwrap_or(other),
+    };
+    format!("{element}{array}")
+}
+
+/// `package/Type` of `package/msg/Type`.
+pub(super) fn short(name: &str) -> String {
+    name.replace("/msg/", "/")
+}
+
+/// The line up to a `#` outside quotes.
+fn strip_comment(line: &str) -> &str {
+    let mut quoted = false;
+    for (at, c) in line.char_indices() {
+        match c {
+            '"' | '\'' => quoted = !quoted,
+            '#' if !quoted => return &line[..at],
+            _ => {}
+        }
+    }
+    line
+}
+
+/// The field of a line; `None` for a constant.
+fn field(
+    line: &str,
+    owner: &str,
+    numbers: &BTreeMap<&str, usize>,
+) -> Result<Option<Field>, String> {
+    let (kind, rest) = line
+        .split_once(char::is_whitespace)
+        .ok_or_else(|| format!("line {line:?} of {owner} is no field"))?;
+    let rest = rest.trim_start();
+    let name: String = rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+    let after = rest[name.len()..].trim_start();
+    if after.starts_with('=') {
+        return Ok(None);
+    }
+    if name.is_empty() {
+        return Err(format!("line {line:?} of {owner} names no field"));
+    }
+    let (element, count) = match kind.split_once('[') {
+        None => (kind, Count::One),
+        Some((element, size)) => {
+            let size = size.trim_end_matches(']');
+            let count = if size.is_empty() || size.starts_with("<=") {
+                Count::Sequence
+            } else {
+                Count::Fixed(size.parse().map_err(|_| format!("array size {size:?} in {owner}"))?)
+            };
+            (element, count)
+        }
+    };
+    // A bound of a text does not change its form.
+    let element = element.split("<=").next().unwrap_or(element);
+    let kind = match Primitive::named(element) {
+        Some(primitive) => Kind::Primitive(primitive),
+        None => Kind::Type(resolve(element, owner, numbers)?),
+    };
+    Ok(Some(Field { name: name.into(), kind, count }))
+}
+
+/// The number of a type as `owner` names it: with its package, or of the same package.
+fn resolve(name: &str, owner: &str, numbers: &BTreeMap<&str, usize>) -> Result<usize, String> {
+    let full = match name {
+        "Header" => "std_msgs/Header".to_owned(),
+        _ if name.contains('/') => short(name),
+        _ => format!("{}/{name}", owner.split('/').next().unwrap_or_default()),
+    };
+    numbers
+        .get(full.as_str())
+        .copied()
+        .ok_or_else(|| format!("type {full} of {owner} is not in the embedded definition"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn constants_comments_defaults_bounds_and_nested_types_are_read() {
+        let text = "uint8 A = 1 # constant\nint8 B=-2\n# nothing\nuint64 timestamp # us\nfloat32[4] q\nstring<=5[<=3] names\nInner[] inner\nfloat64 x 1.5\nstring s \"a # b\"\n================\nMSG: pkg/Inner\nuint8 a\n";
+        let layout = Layout::parse("pkg/msg/Outer", text).unwrap();
+        let fields: Vec<_> =
+            layout.types[0].iter().map(|f| (f.name.to_string(), f.kind, f.count)).collect();
+        let primitive = Kind::Primitive;
+        assert_eq!(
+            fields,
+            [
+                ("timestamp".to_owned(), primitive(Primitive::U64), Count::One),
+                ("q".to_owned(), primitive(Primitive::F32), Count::Fixed(4)),
+                ("names".to_owned(), primitive(Primitive::Text), Count::Sequence),
+                ("inner".to_owned(), Kind::Type(1), Count::Sequence),
+                ("x".to_owned(), primitive(Primitive::F64), Count::One),
+                ("s".to_owned(), primitive(Primitive::Text), Count::One),
+            ]
+        );
+    }
+
+    #[test]
+    fn unknown_types_and_types_that_contain_themselves_are_refused() {
+        let absent = Layout::parse("p/msg/A", "Nowhere x\n").unwrap_err();
+        assert!(absent.contains("p/Nowhere") && absent.contains("p/A"), "{absent}");
+        let circle = Layout::parse("p/msg/A", "B b\n===\nMSG: p/B\nA a\n").unwrap_err();
+        assert!(circle.contains("contains itself"), "{circle}");
+    }
+}

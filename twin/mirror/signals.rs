@@ -1,0 +1,318 @@
+//! The best source of every quantity, on one clock, in ENU and FLU.
+//!
+//! In: tracks. Out: [`Signals`]: a series per quantity, and what was chosen.
+
+use nalgebra::{Quaternion, SVector, UnitQuaternion, Vector3};
+use serde::Serialize;
+
+use super::clock::{Timebase, common_ns, timebases};
+use super::frames;
+use super::gather::{Gathered, Track};
+use super::series::{Attitudes, Series, Timing};
+use super::topics::Quantity;
+use crate::notation::TICK_S;
+
+/// A source at this rate is good enough to be differentiated; below it the fastest source is taken.
+const GOOD_RATE_HZ: f64 = 40.0;
+
+/// A channel with fewer samples is no source.
+const FEWEST_SAMPLES: usize = 10;
+
+/// The first second, in ticks, and how far a vehicle at rest turns in it.
+const REST_SAMPLES: u32 = 100;
+const REST_RANGE_RAD: f64 = 0.02;
+
+/// What a quantity is read from.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Used {
+    /// Quantity.
+    pub quantity: Quantity,
+    /// Topic.
+    pub topic: String,
+    /// Schema.
+    pub schema: String,
+    /// Its clock.
+    pub time: Timebase,
+    /// Rate, gaps, samples left out.
+    pub timing: Timing,
+}
+
+/// Every quantity that was found, in SI units, ENU and FLU, s from the start.
+#[derive(Clone, Debug, Default)]
+pub struct Signals {
+    /// Position of the base, m.
+    pub position: Option<Series<3>>,
+    /// `world_from_body`.
+    pub attitude: Option<Attitudes>,
+    /// Velocity in the world, m/s.
+    pub velocity: Option<Series<3>>,
+    /// Velocity in the body, m/s.
+    pub body_velocity: Option<Series<3>>,
+    /// Angular velocity in the body, rad/s.
+    pub body_rate: Option<Series<3>>,
+    /// Acceleration less gravity in the body, m/s².
+    pub specific_force: Option<Series<3>>,
+    /// Joint angles, rad.
+    pub joints: Option<(Vec<String>, Series<2>)>,
+    /// Force of the actuators in the body, N.
+    pub force: Option<Series<3>>,
+    /// Torque of the actuators in the body, N m.
+    pub torque: Option<Series<3>>,
+    /// Thrust along the body's z axis in an unknown unit, and what it is.
+    pub thrust: Option<(Quantity, Series<1>)>,
+    /// Battery, V.
+    pub battery: Option<Series<1>>,
+    /// What was chosen.
+    pub used: Vec<Used>,
+    /// What was found and not used, and why.
+    pub notes: Vec<String>,
+}
+
+struct Chooser<'a> {
+    tracks: &'a [Track],
+    bases: Vec<Timebase>,
+    start_ns: i64,
+    signals: Signals,
+}
+
+/// Chooses and converts.
+pub fn signals(gathered: &Gathered) -> Signals {
+    let bases = timebases(&gathered.tracks);
+    let start_ns = gathered
+        .tracks
+        .iter()
+        .zip(&bases)
+        .flat_map(|(track, base)| track.samples.iter().map(|sample| common_ns(sample, base)))
+        .min()
+        .unwrap_or(0);
+    let signals = Signals { notes: gathered.notes.clone(), ..Signals::default() };
+    let mut chooser = Chooser { tracks: &gathered.tracks, bases, start_ns, signals };
+    chooser.pose();
+    chooser.rates();
+    chooser.joints();
+    chooser.effort();
+    chooser.signals
+}
+
+impl Chooser<'_> {
+    fn times(&self, number: usize) -> impl Iterator<Item = (f64, &[f64])> + '_ {
+        let base = &self.bases[number];
+        self.tracks[number].samples.iter().map(move |sample| {
+            let ns = common_ns(sample, base).saturating_sub(self.start_ns);
+            (ns as f64 * 1e-9, sample.values.as_slice())
+        })
+    }
+
+    /// The best track of a quantity.
+    fn best(&self, wanted: Quantity) -> Option<usize> {
+        let rate = |number: usize| {
+            let times: Vec<f64> = self.times(number).map(|(t_s, _)| t_s).collect();
+            let span_s = times.iter().copied().fold(f64::MIN, f64::max) - times.first()?;
+            (span_s > 0.0).then(|| times.len() as f64 / span_s)
+        };
+        let mut fits: Vec<(usize, f64)> = (0..self.tracks.len())
+            .filter(|n| self.tracks[*n].quantity == wanted)
+            .filter(|n| self.tracks[*n].samples.len() >= FEWEST_SAMPLES)
+            .filter_map(|n| Some((n, rate(n)?)))
+            .collect();
+        fits.sort_by_key(|(n, _)| self.tracks[*n].rank);
+        let good = fits.iter().find(|(_, rate)| *rate >= GOOD_RATE_HZ);
+        good.or_else(|| fits.iter().max_by(|a, b| a.1.total_cmp(&b.1))).map(|(n, _)| *n)
+    }
+
+    fn note_use(&mut self, number: usize, timing: Timing) {
+        let track = &self.tracks[number];
+        self.signals.used.push(Used {
+            quantity: track.quantity,
+            topic: track.topic.clone(),
+            schema: track.schema.clone(),
+            time: self.bases[number],
+            timing,
+        });
+    }
+
+    fn series<const D: usize>(
+        &self,
+        number: usize,
+        convert: impl Fn(&Track, &[f64]) -> SVector<f64, D>,
+    ) -> Series<D> {
+        let track = &self.tracks[number];
+        let samples = self.times(number).map(|(t_s, values)| (t_s, convert(track, values)));
+        // Set-points may well stay the same; what is measured does not.
+        let commanded = matches!(
+            track.quantity,
+            Quantity::Force
+                | Quantity::Torque
+                | Quantity::Thrust
+                | Quantity::TorqueSetpoint
+                | Quantity::Motors
+                | Quantity::Collective
+                | Quantity::Joints
+                | Quantity::Battery
+        );
+        if commanded { Series::new(samples) } else { Series::measured(samples) }
+    }
+
+    /// A vector quantity, left out if it is all zero: then nobody measured it.
+    fn vector(&mut self, wanted: Quantity, in_world: bool) -> Option<Series<3>> {
+        let number = self.best(wanted)?;
+        let series = self.series(number, |track, values| {
+            let v = vector(values);
+            if in_world {
+                frames::world_vector(&v, track.rule.world)
+            } else {
+                frames::body_vector(&v, track.rule.body)
+            }
+        });
+        if series.timing().samples < FEWEST_SAMPLES || series.all_zero() {
+            let topic = &self.tracks[number].topic;
+            self.signals.notes.push(format!(
+                "{topic}: {wanted:?} is zero or not finite throughout and is not used"
+            ));
+            return None;
+        }
+        self.note_use(number, series.timing());
+        Some(series)
+    }
+
+    fn pose(&mut self) {
+        self.signals.position = self.vector(Quantity::Position, true);
+        let Some(number) = self.best(Quantity::Quaternion).or_else(|| self.best(Quantity::Euler))
+        else {
+            return;
+        };
+        let track = &self.tracks[number];
+        let [roll, pitch, yaw] = track.rule.mount_rpy_deg.map(f64::to_radians);
+        let marker = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
+        let mut attitudes = self.attitudes(number, &marker.inverse());
+        if track.rule.level_at_rest {
+            let note = match tilt_at_rest(&attitudes) {
+                Some(tilt) => {
+                    attitudes = self.attitudes(number, &(marker * tilt).inverse());
+                    let (roll, pitch, _) = tilt.euler_angles();
+                    format!(
+                        "{}: tilted by roll {:.1}, pitch {:.1} degrees at rest, taken as the tilt of the measured frame",
+                        track.topic,
+                        roll.to_degrees(),
+                        pitch.to_degrees()
+                    )
+                }
+                None => format!(
+                    "{}: not at rest during its first second, so the tilt of the measured frame is unknown",
+                    track.topic
+                ),
+            };
+            self.signals.notes.push(note);
+        }
+        let track = &self.tracks[number];
+        self.note_use(number, attitudes.timing());
+        if attitudes.sign_flips > 0 {
+            let note =
+                format!("{}: quaternion changed sign {} times", track.topic, attitudes.sign_flips);
+            self.signals.notes.push(note);
+        }
+        self.signals.attitude = Some(attitudes);
+    }
+
+    /// Attitudes of the body, given where it is in the measured frame.
+    fn attitudes(&self, number: usize, body_from_marker: &UnitQuaternion<f64>) -> Attitudes {
+        let track = &self.tracks[number];
+        Attitudes::new(self.times(number).map(|(t_s, values)| {
+            let q = if let (Quantity::Quaternion, [w, x, y, z]) = (track.quantity, values) {
+                let q = Quaternion::new(*w, *x, *y, *z);
+                // A quaternion of zero is no attitude: it becomes NaN and is counted as not finite.
+                if (q.norm() - 1.0).abs() < 0.1 {
+                    UnitQuaternion::new_normalize(q)
+                } else {
+                    UnitQuaternion::new_unchecked(q * f64::NAN)
+                }
+            } else {
+                let v = vector(values);
+                UnitQuaternion::from_euler_angles(v.x, v.y, v.z)
+            };
+            (t_s, frames::attitude(&q, track.rule.world, track.rule.body) * body_from_marker)
+        }))
+    }
+
+    fn rates(&mut self) {
+        self.signals.velocity = self.fast(Quantity::Velocity, true);
+        if self.signals.velocity.is_none() {
+            self.signals.body_velocity = self.fast(Quantity::BodyVelocity, false);
+        }
+        self.signals.body_rate = self.fast(Quantity::BodyRate, false);
+        self.signals.specific_force = self.fast(Quantity::SpecificForce, false);
+    }
+
+    /// A rate is used only if it comes often enough to be differentiated.
+    fn fast(&mut self, wanted: Quantity, in_world: bool) -> Option<Series<3>> {
+        let series = self.vector(wanted, in_world)?;
+        let rate_hz = series.timing().rate_hz;
+        if rate_hz >= GOOD_RATE_HZ {
+            return Some(series);
+        }
+        self.signals.used.retain(|used| used.quantity != wanted);
+        self.signals.notes.push(format!(
+            "{wanted:?} comes at {rate_hz:.1} Hz, too seldom to be used as a rate: it is derived from the pose instead"
+        ));
+        None
+    }
+
+    fn joints(&mut self) {
+        let Some(number) = self.best(Quantity::Joints) else { return };
+        let series = self.series(number, |_, values| {
+            SVector::from_fn(|row: usize, _| values.get(row).copied().unwrap_or(0.0))
+        });
+        self.note_use(number, series.timing());
+        self.signals.joints = Some((self.tracks[number].names.clone(), series));
+    }
+
+    fn effort(&mut self) {
+        self.signals.force = self.vector(Quantity::Force, false);
+        self.signals.torque = self.vector(Quantity::Torque, false);
+        if let Some(number) = self.best(Quantity::Battery) {
+            let series = self.series(number, |_, v| SVector::from([first(v)]));
+            self.note_use(number, series.timing());
+            self.signals.battery = Some(series);
+        }
+        for wanted in [Quantity::Thrust, Quantity::Motors, Quantity::Collective] {
+            let Some(number) = self.best(wanted).filter(|_| self.signals.thrust.is_none()) else {
+                continue;
+            };
+            let series = self.series(number, |track, values| {
+                let along_z = match wanted {
+                    Quantity::Thrust => frames::body_vector(&vector(values), track.rule.body).z,
+                    // Thrust grows with the square of a normalised motor output.
+                    Quantity::Motors => values.iter().map(|u| u * u).sum(),
+                    _ => first(values),
+                };
+                SVector::from([along_z])
+            });
+            self.note_use(number, series.timing());
+            self.signals.thrust = Some((wanted, series));
+        }
+    }
+}
+
+/// Roll and pitch of the measured frame while the vehicle stands level and still in the first second; `None` if it moves.
+fn tilt_at_rest(attitudes: &Attitudes) -> Option<UnitQuaternion<f64>> {
+    let start_s = attitudes.span()?.0;
+    let at: Vec<UnitQuaternion<f64>> = (0..REST_SAMPLES)
+        .filter_map(|i| attitudes.slerp(start_s + f64::from(i) * TICK_S))
+        .collect();
+    let first = at.first()?;
+    let still = at.iter().all(|q| q.angle_to(first) < REST_RANGE_RAD);
+    (still && at.len() * 2 > REST_SAMPLES as usize).then(|| {
+        let mean = at.iter().fold(nalgebra::Vector4::zeros(), |sum, q| sum + q.into_inner().coords);
+        let mean = UnitQuaternion::from_quaternion(Quaternion::from(mean));
+        let (roll, pitch, _) = mean.euler_angles();
+        UnitQuaternion::from_euler_angles(roll, pitch, 0.0)
+    })
+}
+
+fn vector(values: &[f64]) -> Vector3<f64> {
+    Vector3::from_fn(|row, _| values.get(row).copied().unwrap_or(f64::NAN))
+}
+
+fn first(values: &[f64]) -> f64 {
+    values.first().copied().unwrap_or(f64::NAN)
+}

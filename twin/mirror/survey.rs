@@ -1,0 +1,187 @@
+//! What a recording holds, without decoding a message: channels, schemas, counts, rates, holes, and what is wrong.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs::File;
+use std::io::{BufReader, Read};
+use std::path::Path;
+
+use mcap::records::{MessageHeader, Record};
+use serde::Serialize;
+
+use super::container::{self, ContainerError, Findings};
+use super::topics::{Map, Quantity};
+
+/// One channel.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct ChannelInfo {
+    /// Topic.
+    pub topic: String,
+    /// Name of the schema; empty if it has none.
+    pub schema: String,
+    /// Encodings of schema and message.
+    pub encoding: String,
+    /// Messages.
+    pub messages: u64,
+    /// Mean messages per second by log time.
+    pub rate_hz: f64,
+    /// Longest time between two messages, s.
+    pub longest_gap_s: f64,
+    /// Log time of the first message, s since the epoch of the recorder.
+    pub first_s: f64,
+    /// Log time of the last message, s.
+    pub last_s: f64,
+    /// Messages logged earlier than the one before.
+    pub backwards: u64,
+    /// What the map reads from it.
+    pub gives: Vec<Quantity>,
+}
+
+/// A whole recording.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Survey {
+    /// The container and its problems.
+    pub container: Findings,
+    /// Messages of all channels.
+    pub messages: u64,
+    /// Log time of the first message, s.
+    pub start_s: f64,
+    /// Time from the first to the last message, s.
+    pub duration_s: f64,
+    /// The shipped map of this family, if one is recognised.
+    pub family: Option<&'static str>,
+    /// Channels by topic; those without a message too.
+    pub channels: Vec<ChannelInfo>,
+    /// Schema names that stand for more than one definition.
+    pub ambiguous_schemas: Vec<String>,
+}
+
+const NS: f64 = 1e-9;
+
+#[derive(Default)]
+struct Collector {
+    schemas: BTreeMap<u16, (String, String)>,
+    definitions: BTreeMap<String, BTreeSet<Vec<u8>>>,
+    channels: BTreeMap<u16, (ChannelInfo, Option<u64>)>,
+    orphans: u64,
+}
+
+impl Collector {
+    fn take(&mut self, record: Record<'_>) {
+        match record {
+            Record::Schema { header, data } => {
+                self.definitions.entry(header.name.clone()).or_default().insert(data.into_owned());
+                self.schemas.insert(header.id, (header.name, header.encoding));
+            }
+            Record::Channel(channel) => {
+                let (schema, encoding) =
+                    self.schemas.get(&channel.schema_id).cloned().unwrap_or_default();
+                let info = ChannelInfo {
+                    topic: channel.topic,
+                    schema,
+                    encoding: format!("{encoding}/{}", channel.message_encoding),
+                    ..ChannelInfo::default()
+                };
+                self.channels.entry(channel.id).or_insert((info, None));
+            }
+            Record::Message { header, .. } => self.message(&header),
+            _ => {}
+        }
+    }
+
+    fn message(&mut self, header: &MessageHeader) {
+        let Some((info, last)) = self.channels.get_mut(&header.channel_id) else {
+            self.orphans += 1;
+            return;
+        };
+        let t_s = header.log_time as f64 * NS;
+        info.messages += 1;
+        match *last {
+            None => (info.first_s, info.last_s) = (t_s, t_s),
+            Some(last) if header.log_time < last => info.backwards += 1,
+            Some(last) => {
+                let gap_s = (header.log_time - last) as f64 * NS;
+                info.longest_gap_s = info.longest_gap_s.max(gap_s);
+            }
+        }
+        info.first_s = info.first_s.min(t_s);
+        info.last_s = info.last_s.max(t_s);
+        *last = Some(header.log_time);
+    }
+}
+
+impl Survey {
+    /// Reads the recording in `file`.
+    ///
+    /// # Errors
+    /// [`ContainerError`] if nothing can be read.
+    pub fn read(file: &Path) -> Result<Self, ContainerError> {
+        Self::read_from(&mut BufReader::new(File::open(file)?))
+    }
+
+    /// The same from any bytes.
+    ///
+    /// # Errors
+    /// [`ContainerError`] if nothing can be read.
+    pub fn read_from(input: &mut impl Read) -> Result<Self, ContainerError> {
+        let mut collector = Collector::default();
+        let container = container::read(input, &mut |record| collector.take(record))?;
+        Ok(Self::new(container, collector))
+    }
+
+    fn new(mut container: Findings, collector: Collector) -> Self {
+        if collector.orphans > 0 {
+            let text = format!("{} messages belong to no known channel", collector.orphans);
+            container.problem(text);
+        }
+        let mut channels: Vec<ChannelInfo> =
+            collector.channels.into_values().map(|(info, _)| info).collect();
+        for info in &mut channels {
+            let span_s = info.last_s - info.first_s;
+            if info.messages > 1 && span_s > 0.0 {
+                info.rate_hz = (info.messages - 1) as f64 / span_s;
+            }
+        }
+        channels.sort_by(|a, b| a.topic.cmp(&b.topic));
+        let filled = || channels.iter().filter(|info| info.messages > 0);
+        let start_s = filled().map(|info| info.first_s).fold(f64::MAX, f64::min);
+        let end_s = filled().map(|info| info.last_s).fold(f64::MIN, f64::max);
+        let topics: Vec<&str> = channels.iter().map(|info| info.topic.as_str()).collect();
+        let family = Map::detect(&topics);
+        Self {
+            messages: filled().map(|info| info.messages).sum(),
+            duration_s: (end_s - start_s).max(0.0),
+            start_s: if end_s < start_s { 0.0 } else { start_s },
+            family,
+            ambiguous_schemas: collector
+                .definitions
+                .into_iter()
+                .filter(|(_, texts)| texts.len() > 1)
+                .map(|(name, _)| name)
+                .collect(),
+            channels,
+            container,
+        }
+    }
+
+    /// Whether there are messages on `topic`.
+    pub fn has(&self, topic: &str) -> bool {
+        self.channels.iter().any(|info| info.topic == topic && info.messages > 0)
+    }
+
+    /// Topics that have messages, at most `most` of them, for an error.
+    pub fn topics(&self, most: usize) -> String {
+        let filled = self.channels.iter().filter(|info| info.messages > 0).take(most);
+        let named: Vec<String> =
+            filled.map(|info| format!("{} ({})", info.topic, info.schema)).collect();
+        if named.is_empty() { "none".to_owned() } else { named.join(", ") }
+    }
+
+    /// Notes at every channel what `map` reads from it.
+    pub fn mark(&mut self, map: &Map) {
+        for info in &mut self.channels {
+            if let Some((_, rule)) = map.rule(&info.topic, &info.schema) {
+                info.gives = rule.gives.keys().copied().collect();
+            }
+        }
+    }
+}

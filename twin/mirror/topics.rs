@@ -1,0 +1,375 @@
+//! One table from topic and schema to quantity, unit, frame and time: `maps/*.toml`, and any file of the same form.
+//!
+//! In: TOML. Out: a [`Map`]; the first rule that fits a channel says what its messages give. Earlier rules are better sources.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::schema::short;
+use super::value::Path;
+
+/// The rules for messages that many stacks use.
+const GENERIC: &str = include_str!("maps/generic.toml");
+
+/// Maps that come with the program, by name.
+pub const SHIPPED: [(&str, &str); 3] = [
+    ("acsl_x8", include_str!("maps/acsl_x8.toml")),
+    ("crazyflie", include_str!("maps/crazyflie.toml")),
+    ("px4_arm", include_str!("maps/px4_arm.toml")),
+];
+
+/// Which messages give what, and what is known about the vehicle.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Map {
+    /// What is known about the vehicle.
+    pub vehicle: VehicleFacts,
+    /// A recording with a channel of one of these topics is of this family.
+    pub detect: Vec<String>,
+    /// Rules, best source first.
+    pub topic: Vec<Rule>,
+}
+
+/// What no message says about a vehicle.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct VehicleFacts {
+    /// What it is called.
+    pub name: String,
+    /// Mass, kg; without it forces are per kilogram.
+    pub mass_kg: Option<f64>,
+    /// Principal inertia about the body axes, kg m²; without it the torques of normalised set-points are unknown.
+    pub inertia_kg_m2: Option<[f64; 3]>,
+    /// Joints that get the rows q1 and q2 [default: the first two].
+    pub joints: Vec<String>,
+}
+
+/// What the messages of one kind of channel give.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Rule {
+    /// Topic, `*` for any part [default: any].
+    #[serde(default = "any")]
+    pub topic: String,
+    /// Schema such as `nav_msgs/msg/Odometry` [default: any].
+    #[serde(default = "any")]
+    pub schema: String,
+    /// Axes of the world.
+    #[serde(default)]
+    pub world: World,
+    /// Axes of the body.
+    #[serde(default)]
+    pub body: Body,
+    /// When a message was measured.
+    #[serde(default)]
+    pub time: TimeSource,
+    /// Roll, pitch, yaw of the measured frame in the body, degrees: a marker that is not level.
+    #[serde(default)]
+    pub mount_rpy_deg: [f64; 3],
+    /// The vehicle stands level during the first second: what tilt is measured there is that of the measured frame.
+    #[serde(default)]
+    pub level_at_rest: bool,
+    /// Quantities.
+    pub gives: BTreeMap<Quantity, Fields>,
+}
+
+fn any() -> String {
+    "*".to_owned()
+}
+
+/// Axes of a world frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum World {
+    /// East, north, up (or any frame with z up).
+    #[default]
+    Enu,
+    /// North, east, down.
+    Ned,
+}
+
+/// Axes of a body frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Body {
+    /// Forward, left, up.
+    #[default]
+    Flu,
+    /// Forward, right, down.
+    Frd,
+}
+
+/// Where the time of a message comes from.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case", tag = "from", deny_unknown_fields)]
+pub enum TimeSource {
+    /// When the recorder wrote it.
+    #[default]
+    Log,
+    /// A `builtin_interfaces/Time` at `path`.
+    Stamp {
+        /// Path of the stamp.
+        path: String,
+    },
+    /// Microseconds at `path`.
+    Microseconds {
+        /// Path of the number.
+        path: String,
+    },
+}
+
+/// What can be measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Quantity {
+    /// Position of the base in the world, 3.
+    Position,
+    /// Attitude quaternion world-from-body, w x y z.
+    Quaternion,
+    /// Attitude as ZYX Euler angles roll, pitch, yaw.
+    Euler,
+    /// Velocity of the base, 3, in the world.
+    Velocity,
+    /// Velocity of the base, 3, in the body.
+    BodyVelocity,
+    /// Angular velocity in the body, 3.
+    BodyRate,
+    /// What an accelerometer reads: acceleration less gravity in the body, m/s², 3.
+    SpecificForce,
+    /// Force of the actuators in the body, N, 3.
+    Force,
+    /// Torque of the actuators in the body, N m, 3.
+    Torque,
+    /// Normalised thrust in the body, 3.
+    Thrust,
+    /// Normalised torque in the body, 3.
+    TorqueSetpoint,
+    /// Collective thrust in any unit, 1.
+    Collective,
+    /// Normalised motor outputs, any number; channels that are not finite are no motors.
+    Motors,
+    /// Joint angles: names, then positions.
+    Joints,
+    /// Battery, V, 1.
+    Battery,
+}
+
+impl Quantity {
+    /// Numbers of one sample; `None` if any number will do.
+    pub fn width(self) -> Option<usize> {
+        match self {
+            Self::Quaternion => Some(4),
+            Self::Collective | Self::Battery => Some(1),
+            Self::Motors | Self::Joints => None,
+            _ => Some(3),
+        }
+    }
+}
+
+/// Where the numbers of a quantity lie in a message and what they mean.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Fields {
+    /// Paths in order.
+    pub paths: Vec<String>,
+    /// Unit of the numbers: one of [`UNITS`] [default: SI].
+    #[serde(default)]
+    pub unit: String,
+    /// Multiplied to each number, after the unit; also its sign.
+    #[serde(default)]
+    pub scale: Vec<f64>,
+    /// Added after scaling.
+    #[serde(default)]
+    pub offset: f64,
+    /// Limits after scaling and offset.
+    #[serde(default)]
+    pub clip: Option<[f64; 2]>,
+    /// Only messages whose field has one of these values give it.
+    #[serde(default)]
+    pub only_if: Option<Condition>,
+}
+
+/// A field that must have one of some values.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Condition {
+    /// Path of the field.
+    pub path: String,
+    /// Allowed values.
+    pub is: Vec<f64>,
+}
+
+/// Units a map may name, with their factor to SI.
+pub const UNITS: [(&str, f64); 16] = [
+    ("", 1.0),
+    ("1", 1.0),
+    ("m", 1.0),
+    ("m/s", 1.0),
+    ("m/s2", 1.0),
+    ("g", 9.806_65),
+    ("rad", 1.0),
+    ("rad/s", 1.0),
+    ("N", 1.0),
+    ("N m", 1.0),
+    ("V", 1.0),
+    ("mm", 1e-3),
+    ("mm/s", 1e-3),
+    ("deg", std::f64::consts::PI / 180.0),
+    ("deg/s", std::f64::consts::PI / 180.0),
+    ("mV", 1e-3),
+];
+
+/// Why a map cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum MapError {
+    /// Not TOML, or not of this form.
+    #[error("{place}: {why}")]
+    Form {
+        /// Where the map comes from.
+        place: String,
+        /// What the reader says, with line and key.
+        why: String,
+    },
+    /// A value that makes no sense.
+    #[error("{place}: topic rule {rule} ({topic}): {why}")]
+    Value {
+        /// Where the map comes from.
+        place: String,
+        /// Number of the rule, from 1.
+        rule: usize,
+        /// Its topic or schema.
+        topic: String,
+        /// What was found and what is allowed.
+        why: String,
+    },
+}
+
+impl Map {
+    /// The map in `text`; `place` says in errors where it is from.
+    ///
+    /// # Errors
+    /// [`MapError`] naming line and key, or rule and value.
+    pub fn parse(text: &str, place: &str) -> Result<Self, MapError> {
+        let map: Self = toml::from_str(text)
+            .map_err(|error| MapError::Form { place: place.to_owned(), why: error.to_string() })?;
+        for (number, rule) in map.topic.iter().enumerate() {
+            rule.check().map_err(|why| MapError::Value {
+                place: place.to_owned(),
+                rule: number + 1,
+                topic: format!("{} {}", rule.topic, rule.schema),
+                why,
+            })?;
+        }
+        let facts = &map.vehicle;
+        let positive = facts.mass_kg.iter().chain(facts.inertia_kg_m2.iter().flatten());
+        if let Some(bad) = positive.copied().find(|v| !(v.is_finite() && *v > 0.0)) {
+            let why = format!("vehicle: mass and inertia must be positive, found {bad}");
+            return Err(MapError::Form { place: place.to_owned(), why });
+        }
+        Ok(map)
+    }
+
+    /// The rules of `own` first, then the generic ones.
+    ///
+    /// # Errors
+    /// [`MapError`] if the generic rules are broken.
+    pub fn over_generic(own: Self) -> Result<Self, MapError> {
+        let mut map = own;
+        map.topic.extend(Self::parse(GENERIC, "generic map")?.topic);
+        Ok(map)
+    }
+
+    /// The shipped map whose family a recording with these topics belongs to.
+    pub fn detect(topics: &[&str]) -> Option<&'static str> {
+        SHIPPED.iter().map(|(name, _)| *name).find(|name| {
+            let wanted = Self::shipped(name).map(|map| map.detect).unwrap_or_default();
+            topics.iter().any(|topic| wanted.iter().any(|pattern| glob(pattern, topic)))
+        })
+    }
+
+    /// The shipped map of that name.
+    pub fn shipped(name: &str) -> Option<Self> {
+        let (name, text) = SHIPPED.iter().find(|(known, _)| *known == name)?;
+        Self::parse(text, name).ok()
+    }
+
+    /// The first rule for a channel, with its number.
+    pub fn rule(&self, topic: &str, schema: &str) -> Option<(usize, &Rule)> {
+        self.topic.iter().enumerate().find(|(_, rule)| {
+            glob(&rule.topic, topic) && glob(&short(&rule.schema), &short(schema))
+        })
+    }
+}
+
+impl Rule {
+    fn check(&self) -> Result<(), String> {
+        match &self.time {
+            TimeSource::Log => {}
+            TimeSource::Stamp { path } | TimeSource::Microseconds { path } => {
+                Path::parse(path)?;
+            }
+        }
+        for (quantity, fields) in &self.gives {
+            fields.check(*quantity).map_err(|why| format!("gives.{quantity:?}: {why}"))?;
+        }
+        Ok(())
+    }
+}
+
+impl Fields {
+    /// Factor of the unit.
+    pub fn factor(&self) -> f64 {
+        UNITS.iter().find(|(name, _)| *name == self.unit).map_or(1.0, |(_, factor)| *factor)
+    }
+
+    fn check(&self, quantity: Quantity) -> Result<(), String> {
+        for path in &self.paths {
+            Path::parse(path)?;
+        }
+        let wanted = match quantity {
+            Quantity::Joints => Some(2),
+            Quantity::Motors => None,
+            other => other.width(),
+        };
+        if let Some(wanted) = wanted.filter(|wanted| *wanted != self.paths.len()) {
+            return Err(format!("{} paths given, {wanted} expected", self.paths.len()));
+        }
+        if !UNITS.iter().any(|(name, _)| *name == self.unit) {
+            let known = UNITS.map(|(name, _)| format!("{name:?}")).join(", ");
+            return Err(format!("unit {:?} is unknown, known are {known}", self.unit));
+        }
+        if !self.scale.is_empty() && self.scale.len() != self.paths.len() {
+            let (found, wanted) = (self.scale.len(), self.paths.len());
+            return Err(format!("{found} scales given for {wanted} paths"));
+        }
+        let numbers = self.scale.iter().chain([&self.offset]).chain(self.clip.iter().flatten());
+        if !numbers.copied().all(f64::is_finite) {
+            return Err("a scale, offset or limit is not finite".to_owned());
+        }
+        match self.clip {
+            Some([low, high]) if low > high => Err(format!("clip [{low}, {high}] is empty")),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Whether `text` is of the form `pattern`, in which `*` stands for any part.
+fn glob(pattern: &str, text: &str) -> bool {
+    let mut parts = pattern.split('*');
+    let Some(rest) = parts.next().and_then(|first| text.strip_prefix(first)) else { return false };
+    let mut parts: Vec<&str> = parts.collect();
+    let Some(last) = parts.pop() else { return rest.is_empty() };
+    let mut rest = rest;
+    for part in parts {
+        match rest.find(part) {
+            Some(at) => rest = &rest[at + part.len()..],
+            None => return false,
+        }
+    }
+    rest.ends_with(last)
+}
+
+#[cfg(test)]
+#[path = "topics_tests.rs"]
+mod tests;
