@@ -5,7 +5,9 @@ pub mod adaptive;
 pub mod allocation;
 pub mod attitude;
 pub mod compensation;
+pub mod excited;
 pub mod gains;
+pub mod l1;
 pub mod pid;
 pub mod rows;
 
@@ -16,7 +18,9 @@ use crate::tick::{ControlState, Measurement, Reference, Setpoint};
 
 pub use adaptive::Adaptive;
 pub use allocation::{Allocation, Rotor};
+pub use excited::{Excited, Multisine};
 pub use gains::{Gains, Preset};
+pub use l1::{L1, L1Settings};
 pub use pid::Pid;
 pub use rows::Rows;
 

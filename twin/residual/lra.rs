@@ -18,6 +18,9 @@ pub struct Settings {
     pub forgetting: f64,
     /// Covariance after a reset is `sigma_0 I`; also at the start.
     pub reset_scale: f64,
+    /// The covariance may be reset; off, only forgetting keeps the adapter awake.
+    #[serde(default = "on")]
+    pub reset_enabled: bool,
     /// `delta_thresh`, compared with the norm of the mean innovation.
     pub reset_threshold: f64,
     /// `alpha`, weight of the old value in the mean innovation.
@@ -28,6 +31,11 @@ pub struct Settings {
     pub trace_cap_per_feature: f64,
 }
 
+/// Recordings made before the switch existed could reset.
+fn on() -> bool {
+    true
+}
+
 impl Default for Settings {
     /// The paper's values (implementation details) with the trace cap of 10 `d_k` and 1 s refractory time.
     fn default() -> Self {
@@ -35,6 +43,7 @@ impl Default for Settings {
             enabled: true,
             forgetting: 0.99,
             reset_scale: 1.0,
+            reset_enabled: true,
             reset_threshold: 3.2,
             innovation_smoothing: 0.9,
             refractory_s: 1.0,
@@ -77,6 +86,17 @@ impl Adapter {
     /// `Sigma`, `d_k` × `d_k`.
     pub fn covariance(&self) -> &DMatrix<f64> {
         &self.covariance
+    }
+
+    /// Eigenvalues of `Sigma`, largest first; empty if they cannot be found.
+    pub fn spectrum(&self) -> Vec<f64> {
+        // A bound on the steps: the decomposition must end for every matrix.
+        const MOST_STEPS: usize = 10_000;
+        let found =
+            nalgebra::SymmetricEigen::try_new(self.covariance.clone(), f64::EPSILON, MOST_STEPS);
+        let mut values = found.map_or_else(Vec::new, |e| e.eigenvalues.iter().copied().collect());
+        values.sort_by(|a: &f64, b| b.total_cmp(a));
+        values
     }
 
     /// Changes the weights by as little as makes the estimate for `forecast` equal `known` (N and N m): a known jump, such as a
@@ -177,7 +197,9 @@ impl Adapter {
         self.innovation_mean = self.innovation_mean * alpha + innovation * (1.0 - alpha);
         self.ticks_since_reset += 1;
         let refractory_over = self.ticks_since_reset as f64 * dt_s > settings.refractory_s;
-        let fires = self.innovation_mean.norm() > settings.reset_threshold && refractory_over;
+        let fires = settings.reset_enabled
+            && self.innovation_mean.norm() > settings.reset_threshold
+            && refractory_over;
         if fires {
             let d_k = self.covariance.nrows();
             self.covariance = DMatrix::identity(d_k, d_k) * settings.reset_scale;
@@ -196,7 +218,24 @@ mod tests {
     const BATCH_TOLERANCE: f64 = 1e-6;
 
     fn forecast(g: &[f64]) -> Forecast {
-        Forecast { base: vec![Coords::zeros()], regime: g.to_vec() }
+        Forecast { base: vec![Coords::zeros()], regime: g.to_vec(), attention: Vec::new() }
+    }
+
+    #[test]
+    fn the_spectrum_of_a_known_covariance_is_known_and_ordered() {
+        // Householder reflection H = I - 2 v v' / v'v of diag(5, 2, 0.5): eigenvalues stay.
+        let v = DVector::from_column_slice(&[1.0, -2.0, 0.5]);
+        let h = DMatrix::identity(3, 3) - &v * v.transpose() * (2.0 / v.norm_squared());
+        let d = DMatrix::from_diagonal(&DVector::from_column_slice(&[0.5, 5.0, 2.0]));
+        let mut adapter = Adapter::new(3, Coords::repeat(1.0), &Settings::default());
+        adapter.covariance = &h * d * &h;
+        let spectrum = adapter.spectrum();
+        for (found, wanted) in spectrum.iter().zip([5.0, 2.0, 0.5]) {
+            // A few roundings of numbers below 10.
+            assert!((found - wanted).abs() < 1e-12, "{spectrum:?}");
+        }
+        adapter.covariance[(0, 0)] = f64::NAN;
+        assert!(adapter.spectrum().len() <= 3, "ends for what is not a number too");
     }
 
     proptest! {

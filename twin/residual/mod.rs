@@ -3,16 +3,27 @@
 //! In: the history of coordinates, rates and applied force. Out: a [`Forecast`] of `r` and the regime latent `g'`, then the
 //! [`Adapted`](crate::tick::Adapted) estimate of the Latent Residual Adapter.
 
+pub mod baselines;
+pub mod failing;
+pub mod fdt;
 pub mod gravity;
 pub mod history;
 pub mod label;
+pub mod learned;
 pub mod lra;
+pub mod nn;
 pub mod persistence;
 pub mod random_features;
+pub mod weights;
+
+use serde::{Deserialize, Serialize};
 
 use crate::notation::Coords;
 use crate::tick::Forecast;
+use nn::kernels::Kernel;
 
+pub use failing::Failing;
+pub use fdt::Fdt;
 pub use gravity::{Bias, Gravity, None};
 pub use history::History;
 pub use persistence::Persistence;
@@ -26,8 +37,40 @@ pub trait Predictor: Send {
     /// Width `d_k` of the regime latent, 0 if the predictor has none (then the adapter has nothing to learn from).
     fn regime_len(&self) -> usize;
 
+    /// Ticks of history it looks at.
+    fn history_len(&self) -> usize {
+        1
+    }
+
+    /// What viewers and recordings are told of it.
+    fn info(&self) -> PredictorInfo {
+        PredictorInfo::default()
+    }
+
     /// Forecast for the newest entry of `history`. Non-finite input gives non-finite output, which the flight rejects.
     fn predict(&mut self, history: &History) -> Forecast;
+}
+
+/// What is known of a predictor before it predicts.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PredictorInfo {
+    /// Standard deviation of the residual per row, N and N m: the unit of the adapter's z-scored innovation.
+    pub scale: Coords,
+    /// Input channels its attention is over; empty if it has none.
+    pub attends: Vec<String>,
+    /// Arithmetic of its network: flights of one seed are equal bit for bit only where this is equal.
+    pub kernel: String,
+}
+
+impl Default for PredictorInfo {
+    /// Of a predictor without a network.
+    fn default() -> Self {
+        Self {
+            scale: Coords::from(NOMINAL_SCALE),
+            attends: Vec::new(),
+            kernel: Kernel::SCALAR.name().to_owned(),
+        }
+    }
 }
 
 /// Generalised gravity force of the vehicle as modelled (no payload), `g(chi)`, N and N m.
@@ -40,5 +83,5 @@ pub const NOMINAL_SCALE: [f64; 8] = [1.44, 1.24, 1.87, 0.21, 0.62, 0.14, 0.57, 0
 
 /// The same forecast at every step of the horizon.
 fn constant_forecast(base: Coords, regime: Vec<f64>) -> Forecast {
-    Forecast { base: vec![base; HORIZON + 1], regime }
+    Forecast { base: vec![base; HORIZON + 1], regime, attention: Vec::new() }
 }

@@ -8,7 +8,7 @@ use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 
-use super::{GravityModel, HORIZON, History, NOMINAL_SCALE, Predictor, gravity};
+use super::{GravityModel, History, NOMINAL_SCALE, Predictor, constant_forecast, gravity};
 use crate::notation::Coords;
 use crate::tick::Forecast;
 
@@ -90,7 +90,7 @@ impl Predictor for RandomFeatures {
         let inputs = self.inputs(history);
         let regime = (&self.projection * inputs + &self.offset).map(f64::tanh);
         let base: Coords = gravity::base(&self.model, history);
-        Forecast { base: vec![base; HORIZON + 1], regime: regime.iter().copied().collect() }
+        constant_forecast(base, regime.iter().copied().collect())
     }
 }
 

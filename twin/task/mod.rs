@@ -3,6 +3,7 @@
 //! In: measurement and measured residual. Out: [`Step`] with the [`Reference`] of this tick. Tasks see measured signals only,
 //! never the truth.
 
+pub mod excitation;
 pub mod follow;
 pub mod hover;
 pub mod motion;
@@ -13,6 +14,7 @@ pub mod quintic;
 use crate::notation::Coords;
 use crate::tick::{Event, Measurement, Reference};
 
+pub use excitation::{Excitation, Region};
 pub use follow::FollowPath;
 pub use hover::Hover;
 pub use pick_place::{Mission, PickPlace};

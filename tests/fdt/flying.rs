@@ -1,0 +1,164 @@
+//! The network in the loop: what a scenario may name, what is refused, and what is flown, recorded and shown.
+
+use std::path::PathBuf;
+
+use twin::mirror::{Recorder, RecordingEnd, read_recording};
+use twin::notation::{Coords, ROWS};
+use twin::residual::nn::Precision;
+use twin::residual::nn::kernels::Kernel;
+use twin::residual::weights::{Acceptance, FdtConfig, Weights, channel_names};
+use twin::residual::{Fdt, History, Predictor};
+use twin::scenario::{Scenario, acceptance, fly};
+use twin::tick::Tick;
+
+use super::made;
+
+/// Weights that forecast a constant, made so that a hover is carried by it: zero but for the mean of the residual.
+fn carrying(m_bar: &[f64]) -> Weights {
+    let mut weights = made::weights(&FdtConfig::SMALL, 9);
+    for name in ["decoder.readout.out.weight", "decoder.readout.out.bias"] {
+        weights.tensors.get_mut(name).expect(name).values.fill(0.0);
+    }
+    weights.head.m_bar = m_bar.to_vec();
+    weights.head.normalisation.output_mean = vec![0.0; 8];
+    // Weight of the vehicle without payload; the adapter and the robust term do the rest.
+    weights.head.normalisation.output_mean[2] = 29.4;
+    weights.head.acceptance = Acceptance { hover_r2: Some(0.9), figure_eight_r2: Some(0.85) };
+    weights
+}
+
+fn m_bar() -> Vec<f64> {
+    let tuning = scenario("hover", &[]).tuning().expect("gains");
+    tuning.gains.nominal_inertia.iter().copied().collect()
+}
+
+fn scenario(name: &str, overrides: &[String]) -> Scenario {
+    let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(format!("scenarios/{name}.toml"));
+    Scenario::load(&file, overrides).expect("it is usable")
+}
+
+/// A scenario that flies `weights`, written to a file called `name`.
+fn with(name: &str, weights: &Weights, more: &[&str]) -> Scenario {
+    let path = file(name, weights);
+    let mut overrides = vec![
+        "predictor.kind=fdt".to_owned(),
+        format!("predictor.weights={:?}", path.display().to_string()),
+        "task.duration_s=4.0".to_owned(),
+    ];
+    overrides.extend(more.iter().map(|text| (*text).to_owned()));
+    scenario("hover", &overrides)
+}
+
+fn file(name: &str, weights: &Weights) -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("fdt_flying");
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let path = folder.join(name);
+    std::fs::write(&path, weights.to_bytes().expect("weights")).expect("it is written");
+    path
+}
+
+fn refusal(scenario: &Scenario) -> String {
+    scenario.build().err().expect("it is refused").to_string()
+}
+
+#[test]
+fn the_history_is_z_scored_masked_and_held_at_its_start() {
+    let weights = made::weights(&FdtConfig::SMALL, 3);
+    let mut fdt = Fdt::new(&weights, Kernel::SCALAR, Precision::F32).expect("weights");
+    let entry = |v: f64| Coords::from_fn(|row, _| v + row as f64);
+    let filled = |first: f64, ticks: usize, x: f64| {
+        let mut history = History::new(120);
+        for tick in 0..ticks {
+            let mut chi = entry(if tick == 0 { first } else { 1.0 });
+            chi[0] = x;
+            history.push(chi, entry(0.5), entry(2.0), entry(3.0));
+        }
+        history
+    };
+    let short = fdt.predict(&filled(1.0, 1, 0.0));
+    assert_eq!(short, fdt.predict(&filled(1.0, 120, 0.0)), "one entry, held, is a long rest");
+    assert_eq!(short, fdt.predict(&filled(1.0, 120, 77.0)), "x is masked");
+    assert_ne!(short, fdt.predict(&filled(1.5, 120, 0.0)), "the oldest entry counts");
+    assert_eq!((short.base.len(), short.regime.len()), (7, 32));
+    assert!((short.attention.iter().sum::<f64>() - 1.0).abs() < 1e-5, "shares of one");
+}
+
+#[test]
+fn weights_fly_with_the_adapter_and_their_attention_is_recorded_and_replayed() {
+    let scenario = with("carrying.safetensors", &carrying(&m_bar()), &["predictor.kernel=scalar"]);
+    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("fdt_flying/flight.mcap");
+    let info = scenario.recording_info(&scenario.tuning().expect("gains")).expect("info");
+    let mut recorder = Recorder::create(&path, &info).expect("a recorder");
+    let mut ticks: Vec<Tick> = Vec::new();
+    let report = fly(&scenario, &mut |tick| {
+        recorder.record(std::sync::Arc::new(tick.clone())).expect("recorded");
+        ticks.push(tick.clone());
+    })
+    .expect("it flies");
+    recorder.finish(RecordingEnd::default()).expect("written");
+    assert!(report.passed, "{}", report.reason);
+    assert_eq!(report.kernel, "scalar");
+    let again = fly(&scenario, &mut |_| {}).expect("it flies");
+    assert_eq!(again.state_hash, report.state_hash, "the same weights fly the same flight");
+
+    let recording = read_recording(&path).expect("it opens");
+    assert_eq!(recording.metadata["kernel"], "scalar");
+    assert!(recording.metadata["predictor"].contains("tau.q2"), "the channels are named");
+    assert_eq!(recording.ticks[100].forecast, ticks[100].forecast);
+    assert_eq!(ticks[100].forecast.attention.len(), channel_names().len());
+}
+
+#[test]
+fn only_accepted_weights_fly_unless_forced() {
+    let mut weights = carrying(&m_bar());
+    weights.head.acceptance = Acceptance { hover_r2: Some(0.9), figure_eight_r2: None };
+    let name = "unaccepted.safetensors";
+    let words = refusal(&with(name, &weights, &[]));
+    for part in ["hover 0.900", "figure-8 not flown", "0.8", "--force-weights"] {
+        assert!(words.contains(part), "{part:?} is not in {words:?}");
+    }
+    weights.head.acceptance.figure_eight_r2 = Some(0.8);
+    assert!(refusal(&with(name, &weights, &[])).contains("figure-8 0.800"), "0.8 is not above");
+    assert!(with(name, &weights, &["predictor.force=true"]).build().is_ok());
+}
+
+#[test]
+fn weights_of_another_flight_are_refused_in_words() {
+    let good = carrying(&m_bar());
+    let mut heavy = good.clone();
+    heavy.head.m_bar[2] *= 1.5;
+    assert!(refusal(&with("heavy.safetensors", &heavy, &[])).contains("M̄ z"), "another inertia");
+    let slow = refusal(&with("slow.safetensors", &good, &["controller.outer_divisor=2"]));
+    assert!(slow.contains("100 Hz") && slow.contains("50 Hz"), "{slow}");
+    let kernel = refusal(&with("k.safetensors", &good, &["predictor.kernel=abacus"]));
+    assert!(kernel.contains("abacus") && kernel.contains("scalar"), "{kernel}");
+    let missing = refusal(&scenario(
+        "hover",
+        &["predictor.kind=fdt", "predictor.weights=nowhere.safetensors"].map(str::to_owned),
+    ));
+    assert!(missing.contains("nowhere.safetensors") && missing.contains("twin train"), "{missing}");
+    let path = file("carried.safetensors", &good);
+    let quadrotor = refusal(&scenario(
+        "quadrotor",
+        &[
+            "predictor.kind=fdt".to_owned(),
+            format!("predictor.weights={:?}", path.display().to_string()),
+        ],
+    ));
+    assert!(quadrotor.contains("chi.q1") && quadrotor.contains("0 joints"), "{quadrotor}");
+}
+
+#[test]
+fn acceptance_flies_the_base_forecast_alone_and_writes_the_head() {
+    let path = file("judged.safetensors", &carrying(&m_bar()));
+    let hover = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("scenarios/hover.toml");
+    let flown = acceptance::fly(&hover, &path, &["task.duration_s=4.0".to_owned()]).expect("flown");
+    // A constant cannot explain how the residual varies.
+    assert!(flown.r2 < 0.1, "{flown:?}");
+    assert_eq!(flown.r2_rows.len(), ROWS.len());
+    let figures = Acceptance { hover_r2: Some(0.25), figure_eight_r2: None };
+    acceptance::write(&path, figures).expect("written");
+    let read = Weights::from_bytes(&std::fs::read(&path).expect("a file")).expect("weights");
+    assert_eq!(read.head.acceptance, figures);
+    assert_eq!(read.tensors, carrying(&m_bar()).tensors, "nothing else has changed");
+}

@@ -1,0 +1,144 @@
+//! `twin collect`.
+
+use std::path::PathBuf;
+
+use anyhow::Context;
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+use twin::notation::{ROWS, TICK_S};
+use twin::scenario::collect::{Collected, EXPECTED_STD, Flight, Plan, Spread, collect};
+use twin::scenario::side_by_side;
+
+use super::{End, Overrides};
+
+#[derive(Args)]
+pub(super) struct CollectArgs {
+    /// Folder the recordings are written to.
+    #[arg(long, value_name = "DIR", default_value = "out/data")]
+    out: PathBuf,
+    /// Length of each flight, s.
+    #[arg(long, default_value_t = 300.0, value_parser = parse_seconds)]
+    seconds: f64,
+    /// Payloads in hand, g: one training flight each.
+    #[arg(long, value_delimiter = ',', default_value = "0,200,400", value_parser = clap::value_parser!(u32).range(0..=1000))]
+    payloads: Vec<u32>,
+    /// Seed of the first flight; each further one has the next.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Flights at a time [default: one per core].
+    #[arg(long)]
+    jobs: Option<usize>,
+    /// Folder of `collect_*.toml` and `test_300g.toml`.
+    #[arg(long, value_name = "DIR", default_value = "scenarios")]
+    scenarios: PathBuf,
+    /// Print one JSON object instead of a table.
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    overrides: Overrides,
+}
+
+fn parse_seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if (5.0..=3600.0).contains(&seconds) => Ok(seconds),
+        _ => Err(format!("found {text:?}, expected 5..=3600 s")),
+    }
+}
+
+pub(super) fn run(args: &CollectArgs) -> anyhow::Result<End> {
+    let plan = Plan {
+        scenarios: args.scenarios.clone(),
+        out: args.out.clone(),
+        payloads_g: args.payloads.clone(),
+        seconds: args.seconds,
+        seed: args.seed,
+        overrides: args.overrides.set.clone(),
+    };
+    let flights = plan.flights()?;
+    std::fs::create_dir_all(&args.out)
+        .with_context(|| format!("{}: cannot be made", args.out.display()))?;
+    let threads =
+        args.jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
+    let collected = fly(&flights, threads, args.seconds)?;
+    let training: Vec<Spread> = collected
+        .iter()
+        .filter(|flight| flight.scenario.starts_with("collect_"))
+        .map(|flight| flight.residual)
+        .collect();
+    let together = Spread::together(&training);
+    let manifest = serde_json::json!({
+        "table": "collect",
+        "flights": collected,
+        "residual_training": together,
+        "residual_std_expected": EXPECTED_STD,
+    });
+    let path = args.out.join("collect.json");
+    std::fs::write(&path, format!("{manifest:#}\n"))
+        .with_context(|| format!("{}: cannot be written", path.display()))?;
+    if args.json {
+        println!("{manifest}");
+    } else {
+        print_table(&collected, &together);
+    }
+    Ok(if collected.iter().all(Collected::usable) { End::Passed } else { End::Failed })
+}
+
+fn fly(flights: &[Flight], threads: usize, seconds: f64) -> anyhow::Result<Vec<Collected>> {
+    let ticks = (seconds / TICK_S) as u64 * flights.len() as u64;
+    let bar = ProgressBar::new(ticks).with_style(
+        ProgressStyle::with_template(
+            "{elapsed_precise} [{wide_bar}] {pos}/{len} ticks, {eta} left  {msg}",
+        )
+        .unwrap_or_else(|_| ProgressStyle::default_bar()),
+    );
+    let collected =
+        side_by_side(flights, threads, &|flight| collect(flight, &|ticks| bar.inc(ticks)));
+    bar.finish_and_clear();
+    Ok(collected.into_iter().collect::<Result<_, _>>()?)
+}
+
+fn print_table(collected: &[Collected], together: &Spread) {
+    println!(
+        "{:14} {:>5} {:>6} {:>7}  {:10} {:>8} {:>7} {:>6} {:>8}  {:16}  sha-256 of the recording",
+        "flight",
+        "seed",
+        "kg",
+        "ticks",
+        "verdict",
+        "e_pos m",
+        "tilt °",
+        "sat %",
+        "contacts",
+        "state hash"
+    );
+    for flight in collected {
+        println!(
+            "{:14} {:>5} {:>6.3} {:>7}  {:10} {:>8.3} {:>7.1} {:>6.2} {:>8}  {:16}  {}",
+            flight.scenario,
+            flight.seed,
+            flight.payload_kg,
+            flight.ticks,
+            flight.verdict.to_string(),
+            flight.position_rmse_m,
+            flight.tilt_peak_rad.to_degrees(),
+            flight.saturation_share * 100.0,
+            flight.contact_ticks,
+            flight.state_hash,
+            &flight.sha256,
+        );
+        if !flight.usable() {
+            eprintln!("{}: not to be learned from: {}", flight.scenario, flight.reason);
+        }
+    }
+    println!("\nresidual std, N and N m   {}", ROWS.map(|row| format!("{row:>7}")).join(""));
+    let line = |name: &str, values: &[f64]| {
+        let cells: Vec<String> = values.iter().map(|value| format!("{value:7.3}")).collect();
+        println!("{name:25} {}", cells.concat());
+    };
+    for flight in collected {
+        line(&flight.scenario, flight.residual.std.as_slice());
+    }
+    line("training flights together", together.std.as_slice());
+    line("control study, expected", &EXPECTED_STD);
+    line("mean, training together", together.mean.as_slice());
+}

@@ -1,0 +1,114 @@
+//! `twin evaluate ablation`.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use clap::Args;
+use twin::evaluate::ablation::{VARIANTS, Variant, flown, measure, statistics};
+use twin::residual::weights::Weights;
+use twin::scenario::Scenario;
+
+use crate::cli::{End, Overrides};
+
+#[derive(Args)]
+pub(super) struct AblationArgs {
+    /// Weights of the full model: rows with and without the adapter.
+    #[arg(long, value_name = "FILE")]
+    full: PathBuf,
+    /// Weights trained without the global token.
+    #[arg(long, value_name = "FILE")]
+    without_global_token: Option<PathBuf>,
+    /// Weights trained without the short horizon.
+    #[arg(long, value_name = "FILE")]
+    without_short_horizon: Option<PathBuf>,
+    /// Weights trained without the long memory.
+    #[arg(long, value_name = "FILE")]
+    without_long_memory: Option<PathBuf>,
+    /// What is flown with the full model; the paper: scenario B, 500 g, 1 m/s.
+    #[arg(long, value_name = "FILE", default_value = "scenarios/b_500g_fast.toml")]
+    scenario: PathBuf,
+    /// Seeds 1..=N.
+    #[arg(long, default_value_t = 3)]
+    seeds: u64,
+    /// Print one JSON object instead of a table.
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    overrides: Overrides,
+}
+
+fn read(file: &Path) -> anyhow::Result<Weights> {
+    let bytes =
+        std::fs::read(file).with_context(|| format!("{}: cannot be read", file.display()))?;
+    Weights::from_bytes(&bytes).with_context(|| file.display().to_string())
+}
+
+pub(super) fn run(args: &AblationArgs) -> anyhow::Result<End> {
+    let full = read(&args.full)?;
+    let whole = std::fs::canonicalize(&args.full)?;
+    let mut flights = Vec::new();
+    let mut scenario = None;
+    for seed in 1..=args.seeds {
+        let mut overrides = vec![
+            "predictor.kind=fdt".to_owned(),
+            format!("predictor.weights={}", whole.display()),
+            format!("seed={seed}"),
+        ];
+        overrides.extend(args.overrides.set.iter().cloned());
+        let loaded = Scenario::load(&args.scenario, &overrides)?;
+        eprintln!("flying {} seed {seed}", loaded.name);
+        let (series, report) = flown(&loaded)?;
+        eprintln!("{} seed {seed}: {}: {}", loaded.name, report.verdict, report.reason);
+        flights.push(series);
+        scenario = Some(loaded);
+    }
+    let scenario = scenario.context("--seeds 0: there is nothing to fly")?;
+    let statistics = statistics(&full);
+    let files = [
+        Some(&args.full),
+        Some(&args.full),
+        args.without_global_token.as_ref(),
+        args.without_short_horizon.as_ref(),
+        args.without_long_memory.as_ref(),
+    ];
+    let mut rows: Vec<Variant> = Vec::new();
+    for ((name, paper), file) in VARIANTS.into_iter().zip(files) {
+        let Some(file) = file else { continue };
+        let weights = read(file)?;
+        let [rmse_z, r2] = measure(name, (&weights, file), &scenario, &flights, &statistics)?;
+        let change = |value: f64, full: f64| (value / full - 1.0) * 100.0;
+        let reference = rows.first().map_or(rmse_z, |row| row.rmse_z);
+        rows.push(Variant {
+            name: name.to_owned(),
+            weights: file.clone(),
+            rmse_z,
+            r2,
+            delta_percent: change(rmse_z, reference),
+            paper: [paper, change(paper, VARIANTS[0].1)],
+        });
+    }
+    print(args, &rows);
+    Ok(End::Passed)
+}
+
+fn print(args: &AblationArgs, rows: &[Variant]) {
+    if args.json {
+        let command = super::command();
+        println!(
+            "{}",
+            serde_json::json!({ "table": "ablation", "command": command, "rows": rows })
+        );
+    } else {
+        println!(
+            "{:24} {:>8} {:>8} {:>8}   {:>8} {:>8}",
+            "a priori, z-scored", "RMSE", "R²", "Δ %", "paper", "Δ %"
+        );
+        for row in rows {
+            println!(
+                "{:24} {:8.3} {:8.3} {:+8.1}   {:8.3} {:+8.1}",
+                row.name, row.rmse_z, row.r2, row.delta_percent, row.paper[0], row.paper[1]
+            );
+        }
+        println!("\n{}", super::command());
+    }
+}

@@ -1,0 +1,79 @@
+//! `twin evaluate l1`: what the L1 row of the tracking table depends on.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use twin::scenario::table::{Job, condense, fly_all};
+
+use crate::cli::{End, Overrides};
+
+#[derive(Args)]
+pub(super) struct L1Args {
+    /// Scenario files whose paths are flown with the payload in hand from the start.
+    #[arg(default_values = ["scenarios/a_500g_fast.toml", "scenarios/b_300g_slow.toml"])]
+    scenarios: Vec<PathBuf>,
+    /// Poles `-A_s`, 1/s.
+    #[arg(long, value_delimiter = ',', default_value = "1,5,10,20")]
+    poles: Vec<f64>,
+    /// Corners of the low-pass, rad/s: of x y z, and after the colon of the other rows.
+    #[arg(long, value_delimiter = ',', default_value = "0.5:1,2:4,4:8,8:8", value_parser = parse_corners)]
+    cutoffs: Vec<[f64; 2]>,
+    /// Gain preset.
+    #[arg(long, default_value = "tuned")]
+    preset: String,
+    /// Flights at a time [default: one per core].
+    #[arg(long)]
+    jobs: Option<usize>,
+    /// Print one JSON object instead of a table.
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    overrides: Overrides,
+}
+
+fn parse_corners(text: &str) -> Result<[f64; 2], String> {
+    let parsed = text.split_once(':').and_then(|(a, b)| Some([a.parse().ok()?, b.parse().ok()?]));
+    parsed.ok_or_else(|| format!("found {text:?}, expected such as 2:4, rad/s"))
+}
+
+pub(super) fn run(args: &L1Args) -> End {
+    let mut jobs = Vec::new();
+    for pole in &args.poles {
+        for [force, moment] in &args.cutoffs {
+            for file in &args.scenarios {
+                let mut overrides: Vec<String> =
+                    ["controller.kind=l1", "task.kind=path", "task.start=grasped"]
+                        .map(str::to_owned)
+                        .to_vec();
+                overrides.extend([
+                    format!("gains.preset={}", args.preset),
+                    format!("controller.l1.pole_per_s={pole:?}"),
+                    format!("controller.l1.cutoff_rad_s=[{force:?}, {moment:?}]"),
+                ]);
+                overrides.extend(args.overrides.set.iter().cloned());
+                let row = format!("A_s -{pole}  ω_c {force}:{moment}");
+                jobs.push(Job { row, file: file.clone(), overrides });
+            }
+        }
+    }
+    let threads =
+        args.jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
+    let outcomes = fly_all(&jobs, threads, None, &|outcome| match &outcome.result {
+        Ok(report) => eprintln!("{} {}: {}", outcome.row, report.scenario, report.verdict),
+        Err(error) => eprintln!("{}: {error}", outcome.row),
+    });
+    let lines = condense(&outcomes);
+    if args.json {
+        let command = super::command();
+        println!("{}", serde_json::json!({ "table": "l1", "command": command, "lines": lines }));
+        return End::Passed;
+    }
+    println!("{:28} {:14} {:>9}  verdict", "rms e8, m and rad", "scenario", "e8");
+    for line in &lines {
+        let value = line.values.get("rms_error_e8_mean").copied().unwrap_or(f64::NAN);
+        let ended = line.other_verdicts.keys().next().map_or("completed", String::as_str);
+        println!("{:28} {:14} {value:9.3}  {ended}", line.row, line.scenario);
+    }
+    println!("\n{}", super::command());
+    End::Passed
+}

@@ -1,0 +1,123 @@
+//! `twin evaluate pickup`.
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use anyhow::Context;
+use clap::Args;
+use twin::evaluate::pickup::{Flown, MODES, pick_up, pictures};
+use twin::evaluate::pictures_page;
+use twin::scenario::{Scenario, side_by_side};
+
+use crate::cli::{End, Overrides};
+
+#[derive(Args)]
+pub(super) struct PickupArgs {
+    /// Scenario files [default: the slow figure-8 with 300 and 500 g, and the demonstration of a reset].
+    scenarios: Vec<PathBuf>,
+    /// Flights at a time [default: one per core].
+    #[arg(long)]
+    jobs: Option<usize>,
+    /// Print one JSON object instead of a table.
+    #[arg(long)]
+    json: bool,
+    /// Write a page with pictures.
+    #[arg(long, value_name = "FILE")]
+    html: Option<PathBuf>,
+    #[command(flatten)]
+    overrides: Overrides,
+}
+
+const DEFAULT: [&str; 3] = ["b_300g_slow", "b_500g_slow", "reset_demo"];
+
+pub(super) fn run(args: &PickupArgs) -> anyhow::Result<End> {
+    let files: Vec<PathBuf> = if args.scenarios.is_empty() {
+        DEFAULT.iter().map(|name| PathBuf::from(format!("scenarios/{name}.toml"))).collect()
+    } else {
+        args.scenarios.clone()
+    };
+    let mut jobs = Vec::new();
+    for file in &files {
+        for (mode, keys) in MODES {
+            let mut overrides = args.overrides.set.clone();
+            overrides.extend(keys.iter().map(|key| (*key).to_owned()));
+            jobs.push((mode, Scenario::load(file, &overrides)?));
+        }
+    }
+    let threads =
+        args.jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
+    let flown = side_by_side(&jobs, threads, &|(mode, scenario)| pick_up(scenario, mode));
+    let flown = flown.into_iter().collect::<Result<Vec<Flown>, _>>()?;
+    if let Some(path) = &args.html {
+        let mut body = table_html(&flown);
+        for flights in flown.chunks(MODES.len()) {
+            for picture in pictures(flights) {
+                body.push_str(&picture.svg());
+            }
+        }
+        let page = pictures_page("When the load changes", &body, &super::command());
+        std::fs::write(path, page)
+            .with_context(|| format!("{}: cannot be written", path.display()))?;
+        eprintln!("wrote {}", path.display());
+    }
+    if args.json {
+        let command = super::command();
+        println!(
+            "{}",
+            serde_json::json!({ "table": "pickup", "command": command, "flights": flown })
+        );
+    } else {
+        print_table(&flown);
+    }
+    Ok(if flown.iter().all(|flown| flown.at_s.is_some()) { End::Passed } else { End::Failed })
+}
+
+fn cells(flown: &Flown) -> [String; 8] {
+    let seconds =
+        |value: Option<f64>| value.map_or_else(|| "never".to_owned(), |v| format!("{v:.2}"));
+    [
+        flown.scenario.clone(),
+        flown.mode.to_owned(),
+        flown.verdict.to_string(),
+        seconds(flown.at_s),
+        format!("{:.2}/{:.1}", flown.innovation_peak, flown.threshold),
+        flown.resets_s.len().to_string(),
+        seconds(flown.recovery_s),
+        format!("{:.3}", flown.error_peak_m),
+    ]
+}
+
+const HEAD: [&str; 8] =
+    ["scenario", "mode", "verdict", "load at s", "peak/δ", "resets", "recovery s", "e_pos peak m"];
+
+fn print_table(flown: &[Flown]) {
+    let line = |cells: [&str; 8]| {
+        let [scenario, mode, rest @ ..] = cells;
+        let rest: Vec<String> = rest.iter().map(|cell| format!(" {cell:>13}")).collect();
+        println!("{scenario:14} {mode:15}{}", rest.concat());
+    };
+    line(HEAD);
+    for flown in flown {
+        let cells = cells(flown);
+        line(std::array::from_fn(|i| cells[i].as_str()));
+    }
+    println!("\n{}", super::command());
+}
+
+fn table_html(flown: &[Flown]) -> String {
+    let row = |cells: &[&str], tag: &str| {
+        let mut text = String::from("<tr>");
+        for cell in cells {
+            let _ = write!(text, "<{tag}>{cell}</{tag}>");
+        }
+        text + "</tr>"
+    };
+    let rows: String = flown
+        .iter()
+        .map(|flown| {
+            let cells = cells(flown);
+            row(&cells.each_ref().map(String::as_str), "td")
+        })
+        .collect();
+    format!("<table><thead>{}</thead><tbody>{rows}</tbody></table>", row(&HEAD, "th"))
+}

@@ -1,0 +1,212 @@
+//! `twin evaluate prediction`.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+use twin::evaluate::entrants::{Candidate, trained, unfilled, untrained, untrained_names};
+use twin::evaluate::fit::{Baseline, fit};
+use twin::evaluate::prediction::rows;
+use twin::evaluate::{PredictionTable, Series, Statistics, prediction_page};
+use twin::residual::HORIZON;
+use twin::residual::weights::Weights;
+use twin::scenario::{Preset, Scenario};
+
+use crate::cli::End;
+
+#[derive(Args)]
+pub(super) struct PredictionArgs {
+    /// The recording that is predicted.
+    #[arg(default_value = "out/data/test_300g.mcap")]
+    recording: PathBuf,
+    /// Folder of the training recordings, `collect_*.mcap`: their statistics z-score everything, `sindy` and `gp` are fitted on them.
+    #[arg(long, value_name = "DIR", default_value = "out/data")]
+    train: PathBuf,
+    /// Rows, in order; each file of `--weights` adds its own.
+    #[arg(
+        long,
+        value_delimiter = ',',
+        default_value = "persistence,gravity,bias,random_features,sindy,gp"
+    )]
+    models: Vec<String>,
+    /// File of weights: of the FDT two rows, without and with the adapter (repeatable).
+    #[arg(long, value_name = "FILE")]
+    weights: Vec<PathBuf>,
+    /// Where `sindy.safetensors` and `gp.safetensors` are written.
+    #[arg(long, value_name = "DIR", default_value = "out/models")]
+    models_dir: PathBuf,
+    /// The vehicle and the adapter's settings of rows without weights.
+    #[arg(long, value_name = "FILE", default_value = "scenarios/test_300g.toml")]
+    scenario: PathBuf,
+    /// Print one JSON object instead of a table.
+    #[arg(long)]
+    json: bool,
+    /// Write a page with pictures.
+    #[arg(long, value_name = "FILE")]
+    html: Option<PathBuf>,
+}
+
+pub(super) fn run(args: &PredictionArgs) -> anyhow::Result<End> {
+    let bar = ProgressBar::new_spinner()
+        .with_style(ProgressStyle::with_template("{elapsed_precise} {msg}")?);
+    bar.enable_steady_tick(std::time::Duration::from_millis(200));
+    bar.set_message("reading recordings");
+    let training = Series::read_training(&args.train)?;
+    let series = Series::read(&args.recording)
+        .with_context(|| format!("record one: twin collect --out {}", args.train.display()))?;
+    series.compare(&training[0])?;
+    let statistics = Statistics::of(&training);
+    let data_hash = hash(&training);
+    let candidates = candidates(args, &training, &data_hash, &|name| {
+        bar.set_message(format!("fitting {name}"));
+    })?;
+    bar.set_message("replaying");
+    let rows = rows(candidates, &series, &statistics, &|name| {
+        bar.set_message(format!("{name} replayed"));
+    });
+    bar.finish_and_clear();
+    let table = PredictionTable {
+        table: "prediction",
+        command: super::command(),
+        recording: series.file.clone(),
+        recording_sha256: series.sha256.clone(),
+        seed: series.seed.clone(),
+        training: training.iter().map(|flight| flight.file.clone()).collect(),
+        data_hash,
+        statistics,
+        rows,
+    };
+    if let Some(path) = &args.html {
+        std::fs::write(path, prediction_page(&table, &series))
+            .with_context(|| format!("{}: cannot be written", path.display()))?;
+        eprintln!("wrote {}", path.display());
+    }
+    if args.json {
+        println!("{}", serde_json::to_string(&table)?);
+    } else {
+        print_table(&table);
+    }
+    Ok(End::Passed)
+}
+
+/// One hash for all training recordings: of theirs, in order.
+fn hash(training: &[Series]) -> String {
+    use sha2::{Digest, Sha256};
+    let mut hash = Sha256::new();
+    for flight in training {
+        hash.update(flight.sha256.as_bytes());
+    }
+    let bytes: Vec<String> = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+    bytes.concat()
+}
+
+fn candidates(
+    args: &PredictionArgs,
+    training: &[Series],
+    data_hash: &str,
+    news: &dyn Fn(&str),
+) -> anyhow::Result<Vec<Candidate>> {
+    let scenario = Scenario::load(&args.scenario, &[])?;
+    let tuning = scenario.preset_tuning(Preset::Tuned);
+    let mut all = Vec::new();
+    for name in &args.models {
+        let baseline = match name.as_str() {
+            "sindy" => Baseline::Sindy,
+            "gp" => Baseline::Gp,
+            name => {
+                let row = untrained(name, &args.scenario);
+                let also = || {
+                    format!("fitted here: sindy, gp; without fit: {}", untrained_names().join(", "))
+                };
+                all.push(row.with_context(also)?);
+                continue;
+            }
+        };
+        news(name);
+        let weights = fit(baseline, training, data_hash)
+            .with_context(|| format!("{name} cannot be fitted: too few ticks to learn from"))?;
+        let file = args.models_dir.join(format!("{name}.safetensors"));
+        write(&file, &weights.to_bytes()?)?;
+        all.extend(trained(&weights, &file, &tuning)?);
+    }
+    for file in &args.weights {
+        let bytes =
+            std::fs::read(file).with_context(|| format!("{}: cannot be read", file.display()))?;
+        let weights = Weights::from_bytes(&bytes).with_context(|| file.display().to_string())?;
+        all.extend(trained(&weights, file, &tuning)?);
+    }
+    Ok(all)
+}
+
+fn write(file: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    if let Some(folder) = file.parent() {
+        std::fs::create_dir_all(folder)?;
+    }
+    std::fs::write(file, bytes).with_context(|| format!("{}: cannot be written", file.display()))
+}
+
+fn print_table(table: &PredictionTable) {
+    println!(
+        "{:30} {:>8}  {:>6} {:>7} {:>6} {:>7}  {:>7} {:>7}  {:>6} {:>8}  {:>7} {:>7}   paper: RMSE    R²     ms",
+        "a priori",
+        "params",
+        "RMSE z",
+        "R²",
+        "j=6",
+        "R² j=6",
+        "N",
+        "N m",
+        "|eps|",
+        "leverage",
+        "ms p50",
+        "p99"
+    );
+    for row in &table.rows {
+        let r = &row.replayed;
+        let (now, last) = (&r.horizons[0], &r.horizons[HORIZON]);
+        println!(
+            "{:30} {:>8}  {:6.3} {:7.3} {:6.3} {:7.3}  {:7.3} {:7.4}  {:6.3} {:8.3}  {:7.3} {:7.3}   {}",
+            row.label,
+            row.parameters.map_or_else(|| "-".to_owned(), |n| n.to_string()),
+            now.rmse_z,
+            now.r2,
+            last.rmse_z,
+            last.r2,
+            now.rmse_n,
+            now.rmse_n_m,
+            r.innovation_norm_mean,
+            r.leverage,
+            r.inference_ms_p50,
+            r.inference_ms_p99,
+            row.paper.map_or_else(String::new, paper_cells),
+        );
+    }
+    let filled: Vec<String> = table.rows.iter().map(|row| row.name.clone()).collect();
+    for (name, figures) in unfilled(&filled) {
+        println!("{name:30} {:>101}   {}", "", paper_cells(figures));
+    }
+    let heads = (0..=HORIZON).map(|j| format!("    j={j}")).collect::<Vec<_>>();
+    println!("\n{:26}{}", "RMSE z by horizon", heads.concat());
+    for row in &table.rows {
+        let cells: Vec<String> =
+            row.replayed.horizons.iter().map(|h| format!("{:7.3}", h.rmse_z)).collect();
+        println!("{:26}{}", row.name, cells.concat());
+    }
+    println!("\n{}", table.command);
+    println!(
+        "recording {} seed {} sha-256 {}",
+        table.recording.display(),
+        table.seed,
+        table.recording_sha256
+    );
+    println!(
+        "statistics of {} recordings in the training folder, hash {}",
+        table.training.len(),
+        table.data_hash
+    );
+}
+
+fn paper_cells([rmse, r2, ms]: [f64; 3]) -> String {
+    format!("{rmse:11.3} {r2:6.3} {ms:6.2}")
+}

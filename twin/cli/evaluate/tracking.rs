@@ -1,0 +1,231 @@
+//! `twin evaluate tracking`.
+
+use std::path::PathBuf;
+
+use anyhow::Context;
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+use twin::scenario::Verdict;
+use twin::scenario::cache::Cache;
+use twin::scenario::table::{COLUMNS, Job, Line, Outcome, PAPER, condense, fly_all};
+
+use crate::cli::{End, Overrides};
+
+#[derive(Args)]
+pub(super) struct TrackingArgs {
+    /// Scenario files [default: the paper's eight].
+    scenarios: Vec<PathBuf>,
+    /// Seeds 1..=N of each scenario.
+    #[arg(long, default_value_t = 10)]
+    seeds: u64,
+    /// What flies, one row each: `pid`, `l1`, `tdc`, `random_features`, and `fdt`, `fdt_lra` with the weights of the scenario or of
+    /// `--weights`.
+    #[arg(long, value_delimiter = ',', default_value = "pid,l1,tdc,random_features")]
+    rows: Vec<String>,
+    /// Gain presets.
+    #[arg(long, value_delimiter = ',', default_value = "tuned,paper")]
+    presets: Vec<String>,
+    /// Weights of the FDT: adds the rows `fdt` and `fdt_lra`.
+    #[arg(long, value_name = "FILE")]
+    weights: Option<PathBuf>,
+    /// Flights at a time [default: one per core].
+    #[arg(long)]
+    jobs: Option<usize>,
+    /// Folder of the flights already made: what was interrupted goes on.
+    #[arg(long, value_name = "DIR", default_value = "out/cache")]
+    cache: PathBuf,
+    /// Fly everything again.
+    #[arg(long, conflicts_with = "cache")]
+    no_cache: bool,
+    /// Print one JSON object instead of a table.
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    overrides: Overrides,
+}
+
+/// Row and the keys that make it.
+const ROWS: [(&str, &[&str]); 6] = [
+    ("pid", &["controller.kind=pid"]),
+    ("l1", &["controller.kind=l1"]),
+    ("tdc", &["predictor.kind=persistence"]),
+    ("random_features", &["predictor.kind=random_features"]),
+    ("fdt", &["predictor.kind=fdt", "gains.adapter_on=0"]),
+    ("fdt_lra", &["predictor.kind=fdt"]),
+];
+
+pub(super) fn run(args: &TrackingArgs) -> anyhow::Result<End> {
+    let jobs = jobs(args)?;
+    let threads =
+        args.jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
+    let cache = if args.no_cache {
+        None
+    } else {
+        Some(Cache::open(&args.cache).with_context(|| args.cache.display().to_string())?)
+    };
+    let bar = ProgressBar::new(jobs.len() as u64).with_style(
+        ProgressStyle::with_template(
+            "{elapsed_precise} [{wide_bar}] {pos}/{len} flights, {eta} left  {msg}",
+        )
+        .unwrap_or_else(|_| ProgressStyle::default_bar()),
+    );
+    let outcomes = fly_all(&jobs, threads, cache.as_ref(), &|outcome| {
+        bar.inc(1);
+        if let Some(trouble) = trouble(outcome) {
+            bar.suspend(|| eprintln!("{trouble}"));
+        }
+    });
+    bar.finish_and_clear();
+    let lines = condense(&outcomes);
+    if args.json {
+        let command = super::command();
+        println!(
+            "{}",
+            serde_json::json!({ "table": "tracking", "command": command, "lines": lines, "paper": PAPER })
+        );
+    } else {
+        print_matrix(&lines);
+        print_table(&lines);
+        println!("\n{}", super::command());
+    }
+    let all =
+        outcomes.iter().all(|o| o.result.as_ref().is_ok_and(|r| r.verdict == Verdict::Completed));
+    Ok(if all { End::Passed } else { End::Failed })
+}
+
+fn jobs(args: &TrackingArgs) -> anyhow::Result<Vec<Job>> {
+    let files = if args.scenarios.is_empty() {
+        COLUMNS.iter().map(|name| PathBuf::from(format!("scenarios/{name}.toml"))).collect()
+    } else {
+        args.scenarios.clone()
+    };
+    let mut rows = args.rows.clone();
+    let mut weights = None;
+    if let Some(file) = &args.weights {
+        // Scenarios name weights relative to themselves.
+        let whole = std::fs::canonicalize(file)
+            .with_context(|| format!("{}: cannot be read", file.display()))?;
+        weights = Some(format!("predictor.weights={}", whole.display()));
+        let more = ["fdt", "fdt_lra"].map(str::to_owned);
+        rows.extend(more.into_iter().filter(|row| !args.rows.contains(row)));
+    }
+    let mut jobs = Vec::new();
+    for row in &rows {
+        let known = || ROWS.map(|(name, _)| name).join(", ");
+        let (_, keys) = ROWS
+            .iter()
+            .find(|(name, _)| name == row)
+            .with_context(|| format!("--rows: found {row:?}, expected {}", known()))?;
+        for preset in &args.presets {
+            for file in &files {
+                for seed in 1..=args.seeds {
+                    let mut overrides = args.overrides.set.clone();
+                    overrides.extend(keys.iter().map(|key| (*key).to_owned()));
+                    overrides.extend(weights.clone().filter(|_| row.starts_with("fdt")));
+                    overrides.extend([format!("gains.preset={preset}"), format!("seed={seed}")]);
+                    let row = format!("{row}/{preset}");
+                    jobs.push(Job { row, file: file.clone(), overrides });
+                }
+            }
+        }
+    }
+    Ok(jobs)
+}
+
+/// A sentence for a flight that did not complete.
+fn trouble(outcome: &Outcome) -> Option<String> {
+    match &outcome.result {
+        Ok(report) if report.verdict == Verdict::Completed => None,
+        Ok(r) => Some(format!(
+            "{} {} seed {}: {:?}: {}",
+            outcome.row, r.scenario, r.seed, r.verdict, r.reason
+        )),
+        Err(error) => Some(format!("{}: {error}", outcome.row)),
+    }
+}
+
+/// The paper's table: a row per method, a column per scenario, mean ± standard deviation over the flights that completed.
+fn print_matrix(lines: &[Line]) {
+    print!("{:24}", "rms e8, m and rad");
+    for column in COLUMNS {
+        print!(" {column:>15}");
+    }
+    println!();
+    let mut rows: Vec<&str> = Vec::new();
+    for line in lines {
+        if rows.last() != Some(&line.row.as_str()) {
+            rows.push(&line.row);
+        }
+    }
+    for row in rows {
+        print!("{row:24}");
+        for column in COLUMNS {
+            let cell = lines.iter().find(|line| line.row == row && line.scenario == column);
+            print!(" {:>15}", cell.map_or_else(|| "-".to_owned(), matrix_cell));
+        }
+        println!();
+    }
+    for (row, figures) in PAPER {
+        print!("paper {row:18}");
+        for value in figures {
+            print!(" {value:>15.3}");
+        }
+        println!();
+    }
+    println!();
+}
+
+fn matrix_cell(line: &Line) -> String {
+    let v = |name: &str| line.values.get(name).copied();
+    let lost = line.flights - line.completed;
+    let lost = if lost > 0 { format!(" {lost}x") } else { String::new() };
+    match (v("completed_rms_error_e8_mean"), v("completed_rms_error_e8_std")) {
+        (Some(mean), Some(std)) => format!("{mean:.3}±{std:.3}{lost}"),
+        _ => format!("none{lost}"),
+    }
+}
+fn print_table(lines: &[Line]) {
+    println!(
+        "{:22} {:12} {:>5}  {:>7} {:>9} {:>6}  {:>17}  {:>13}  {:>13}  {:>11}  {:>11}  others",
+        "row",
+        "scenario",
+        "done",
+        "e8",
+        "e8 transp",
+        "paper",
+        "speed m/s min..max",
+        "place mm med/max",
+        "slip mm med/max",
+        "time s med",
+        "retries max"
+    );
+    for line in lines {
+        let v = |name: &str| line.values.get(name).copied().unwrap_or(f64::NAN);
+        let others: Vec<String> =
+            line.other_verdicts.iter().map(|(k, n)| format!("{n} {k}")).collect();
+        println!(
+            "{:22} {:12} {:>2}/{:<2}  {:7.3} {:9.3} {:>6}  {:8.3} ..{:7.3}  {:7.1} / {:5.1}  {:7.2} / {:5.2}  {:11.1}  {:11.0}  {}",
+            line.row,
+            line.scenario,
+            line.completed,
+            line.flights,
+            v("rms_error_e8_mean"),
+            v("rms_error_e8_transport_mean"),
+            line.paper_rms_error_e8.map_or_else(|| "-".to_owned(), |p| format!("{p:.3}")),
+            v("transport_speed_m_s_min"),
+            v("transport_speed_m_s_max"),
+            v("placement_error_mm_median"),
+            v("placement_error_mm_max"),
+            v("grasp_slip_mm_median"),
+            v("grasp_slip_mm_max"),
+            v("flight_s_median"),
+            v("retries_max"),
+            others.join(", "),
+        );
+    }
+    for preset in lines.iter().map(|l| &l.row).collect::<std::collections::BTreeSet<_>>() {
+        let of =
+            |f: fn(&Line) -> usize| lines.iter().filter(|l| &l.row == preset).map(f).sum::<usize>();
+        println!("{preset}: completed {} of {}", of(|l| l.completed), of(|l| l.flights));
+    }
+}

@@ -1,0 +1,324 @@
+//! `twin train`.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use twin::learn::config::{ModelKind, TrainConfig};
+
+use super::End;
+
+const HELP: &str = "\
+What it does: reads the flights, cuts them into windows of 1.2 s, and fits a model that forecasts the residual of the next
+0, 10 … 60 ms. The last 15 % of each flight are held back; training ends when the loss there stops falling. Ticks in contact
+are not learned from. The file that comes out flies: `twin fly --set predictor.kind=fdt --set predictor.weights=FILE`.
+
+A loss of 1 is saying the mean; R² is about 1 minus the loss. Ctrl-C loses nothing but the epoch in hand: go on with --resume.
+The same data, settings and seed give the same file on one machine.
+
+Examples:
+  twin collect && twin train                                        from nothing to the small FDT on two cores
+  twin train out/data --seed 2 --out fdt_2.safetensors        another seed
+  twin train out/data --config paper                          the paper's size: a night on two cores
+  twin train out/data --config mine.toml --epochs 10          own settings; `--print-config` shows every key
+  twin train out/data --without long-memory                   an ablation, trained anew
+  twin train out/data --model lstm                            a baseline of the tables
+  twin train out/data --all --out weights/                    the FDT and every baseline, into a folder";
+
+#[derive(Args)]
+#[command(after_help = HELP)]
+#[allow(clippy::struct_excessive_bools, reason = "each is a flag of its own")]
+#[cfg_attr(not(feature = "train"), allow(dead_code, reason = "flags of what is not built"))]
+pub(super) struct TrainArgs {
+    /// Flights: recordings of this program, or real ones as `twin mirror` reads them. A folder stands for the `collect_*.mcap`
+    /// in it, so that no test flight is trained on.
+    #[arg(default_value = "out/data")]
+    data: Vec<PathBuf>,
+    /// `small`, `paper`, or a TOML file that states what differs from the defaults.
+    #[arg(long, default_value = "small", value_name = "small|paper|FILE.toml")]
+    config: String,
+    /// What to train [default: what the configuration names, the FDT].
+    #[arg(long, value_enum)]
+    model: Option<Model>,
+    /// Train the FDT and every baseline, one after the other.
+    #[arg(long, conflicts_with = "model")]
+    all: bool,
+    /// Leave a part of the FDT out (repeatable).
+    #[arg(long, value_enum, value_name = "PART")]
+    without: Vec<Part>,
+    /// Most epochs [default: of the configuration].
+    #[arg(long)]
+    epochs: Option<usize>,
+    /// Seed of initialisation, order of the windows and noise.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// The file of weights, or with `--all` the folder of them [default: out/weights/MODEL.safetensors].
+    #[arg(long, value_name = "W.safetensors")]
+    out: Option<PathBuf>,
+    /// Go on from the checkpoint beside the file of weights.
+    #[arg(long)]
+    resume: bool,
+    /// The learning curve as a picture [default: beside the file of weights].
+    #[arg(long, value_name = "C.svg", conflicts_with = "all")]
+    curve: Option<PathBuf>,
+    /// Print the settings in force as TOML and end.
+    #[arg(long)]
+    print_config: bool,
+    /// Print exactly one JSON object on stdout.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Where weights are written if nobody says.
+const WEIGHTS: &str = "out/weights";
+
+/// What can be trained.
+#[derive(Clone, Copy, ValueEnum)]
+#[value(rename_all = "snake_case")]
+enum Model {
+    Fdt,
+    Lstm,
+    Transformer,
+    Gpt2,
+    NeuralFly,
+    Mlp,
+}
+
+impl Model {
+    fn kind(self) -> ModelKind {
+        match self {
+            Self::Fdt => ModelKind::Fdt,
+            Self::Lstm => ModelKind::Lstm,
+            Self::Transformer => ModelKind::Transformer,
+            Self::Gpt2 => ModelKind::Gpt2,
+            Self::NeuralFly => ModelKind::NeuralFly,
+            Self::Mlp => ModelKind::Mlp,
+        }
+    }
+}
+
+/// What an ablation leaves out.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Part {
+    /// The learned global token: the mean of the channels' tokens asks the memory.
+    GlobalToken,
+    /// The short-horizon encoder: a learned constant asks the memory.
+    ShortHorizon,
+    /// The long-horizon memory: the regime is made of the short horizon.
+    LongMemory,
+}
+
+impl Part {
+    fn word(self) -> &'static str {
+        match self {
+            Self::GlobalToken => "global_token",
+            Self::ShortHorizon => "short_horizon",
+            Self::LongMemory => "long_memory",
+        }
+    }
+}
+
+/// One training of a call.
+#[allow(clippy::struct_excessive_bools, reason = "each is a flag of its own")]
+#[cfg_attr(not(feature = "train"), allow(dead_code, reason = "places of what is not built"))]
+struct Job {
+    config: TrainConfig,
+    out: PathBuf,
+    curve: PathBuf,
+}
+
+pub(super) fn run(args: &TrainArgs) -> anyhow::Result<End> {
+    let jobs = jobs(args)?;
+    if args.print_config {
+        for job in &jobs {
+            println!("{}", toml::to_string(&job.config)?);
+        }
+        return Ok(End::Passed);
+    }
+    train(args, &jobs)
+}
+
+#[cfg(not(feature = "train"))]
+fn train(_: &TrainArgs, _: &[Job]) -> anyhow::Result<End> {
+    anyhow::bail!(
+        "this program was built without training; build it with `cargo build --release --features train` \
+         (ten minutes of processor time the first time), then call target/release/twin again"
+    )
+}
+
+fn jobs(args: &TrainArgs) -> anyhow::Result<Vec<Job>> {
+    let base = TrainConfig::named(&args.config)?;
+    let kinds = match (args.all, args.model) {
+        (true, _) => ModelKind::ALL.to_vec(),
+        (false, model) => vec![model.map_or(base.model, Model::kind)],
+    };
+    let folder = args.all.then(|| args.out.clone().unwrap_or_else(|| WEIGHTS.into()));
+    let job = |kind: ModelKind| -> anyhow::Result<Job> {
+        let mut config = base.clone().of(kind);
+        config.epochs = args.epochs.unwrap_or(config.epochs);
+        config.global_token &= !args.without.contains(&Part::GlobalToken);
+        config.short_horizon &= !args.without.contains(&Part::ShortHorizon);
+        config.long_memory &= !args.without.contains(&Part::LongMemory);
+        config.check().map_err(|why| anyhow::anyhow!("{why}"))?;
+        if kind != ModelKind::Fdt && !args.without.is_empty() {
+            anyhow::bail!("--without takes parts of the FDT; {} has none of them", kind.name());
+        }
+        let stem = args
+            .without
+            .iter()
+            .fold(kind.name().to_owned(), |stem, part| format!("{stem}_without_{}", part.word()));
+        let file = format!("{stem}.safetensors");
+        let out = match (&folder, &args.out) {
+            (Some(folder), _) => folder.join(file),
+            (None, Some(out)) => out.clone(),
+            (None, None) => Path::new(WEIGHTS).join(file),
+        };
+        let curve = args.curve.clone().unwrap_or_else(|| out.with_extension("svg"));
+        Ok(Job { config, out, curve })
+    };
+    kinds.into_iter().map(job).collect()
+}
+
+#[cfg(feature = "train")]
+fn train(args: &TrainArgs, jobs: &[Job]) -> anyhow::Result<End> {
+    use twin::learn::Dataset;
+    super::allocator::keep_memory();
+    let data = Dataset::read(&flights(&args.data)?)?;
+    eprintln!(
+        "{} flights, {} usable ticks of {}, {} channels, {} rows, data {}",
+        data.flights.len(),
+        data.usable_ticks(),
+        data.flights.iter().map(twin::learn::dataset::FlightSeries::ticks).sum::<usize>(),
+        data.channel_names.len(),
+        data.output_names.len(),
+        &data.hash()[..12],
+    );
+    if !data.left_out.is_empty() {
+        eprintln!("left out, not known in every flight: {}", data.left_out.join(", "));
+    }
+    let results = jobs.iter().map(|job| one(args, &data, job)).collect::<Result<Vec<_>, _>>()?;
+    if args.json {
+        let value = if args.all {
+            serde_json::json!({ "models": results })
+        } else {
+            results.into_iter().next().unwrap_or_default()
+        };
+        println!("{value}");
+    }
+    Ok(End::Passed)
+}
+
+/// Files as they are; of a folder its `collect_*.mcap` in order of their names.
+#[cfg(feature = "train")]
+fn flights(data: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
+    let mut all = Vec::new();
+    for path in data {
+        if !path.is_dir() {
+            all.push(path.clone());
+            continue;
+        }
+        let mut inside: Vec<PathBuf> = std::fs::read_dir(path)?
+            .filter_map(|entry| Some(entry.ok()?.path()))
+            .filter(|path| {
+                let name =
+                    path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into());
+                name.starts_with("collect_") && name.ends_with(".mcap")
+            })
+            .collect();
+        inside.sort();
+        if inside.is_empty() {
+            anyhow::bail!("{}: no collect_*.mcap in it; `twin collect` makes them", path.display());
+        }
+        all.extend(inside);
+    }
+    Ok(all)
+}
+
+/// One training with its bar, picture and words; its figures as JSON.
+#[cfg(feature = "train")]
+fn one(
+    args: &TrainArgs,
+    data: &twin::learn::Dataset,
+    job: &Job,
+) -> anyhow::Result<serde_json::Value> {
+    use std::ops::ControlFlow;
+    use twin::learn::train::{Progress, Request, train};
+    let (bar, mut words) = (bar(&job.config), String::new());
+    let request = Request {
+        config: &job.config,
+        seed: args.seed,
+        resume: args.resume,
+        out: &job.out,
+        git: option_env!("TWIN_GIT_ID").unwrap_or("unknown"),
+    };
+    let mut observe = |progress: Progress| {
+        let per_epoch = progress.steps.1 as u64;
+        if let Some(record) = progress.finished {
+            let line = format!("validation {:.4}", record.validation_loss);
+            bar.suspend(|| {
+                eprintln!(
+                    "epoch {:>3}  training {:.4}  {line}  rate {:.1e}  {:.1} s",
+                    record.epoch, record.train_loss, record.learning_rate, record.wall_s
+                );
+            });
+            words = line;
+        } else {
+            bar.set_length(per_epoch * job.config.epochs as u64);
+            bar.set_position((progress.epoch as u64 - 1) * per_epoch + progress.steps.0 as u64);
+            bar.set_message(format!("loss {:.4}  {words}", progress.loss));
+        }
+        ControlFlow::Continue(())
+    };
+    let outcome = train(data, &request, &mut observe)?;
+    bar.finish_and_clear();
+    let training = &outcome.head.training;
+    let title = format!(
+        "{}, {} parameters, seed {}, data {}",
+        outcome.head.model,
+        outcome.parameters,
+        args.seed,
+        &outcome.head.data_hash[..12]
+    );
+    let picture = twin::learn::curve::svg(&title, &outcome.curve, training.best_epoch as usize)?;
+    twin::learn::file::write_whole(&job.curve, picture.as_bytes())?;
+    let validation = training.validation_loss.unwrap_or(f64::NAN);
+    let r2 = 1.0 - validation / outcome.validation_variance;
+    if !args.json {
+        println!(
+            "{}: {} epochs, the best is {}; validation loss {validation:.4} (saying the mean: {:.4}), R² {r2:.4}; {:.1} min; curve {}",
+            job.out.display(),
+            training.epochs,
+            training.best_epoch,
+            outcome.validation_variance,
+            training.wall_s / 60.0,
+            job.curve.display(),
+        );
+    }
+    Ok(serde_json::json!({
+        "out": job.out,
+        "curve_picture": job.curve,
+        "model": outcome.head.model,
+        "parameters": outcome.parameters,
+        "training_windows": outcome.windows.0,
+        "validation_windows": outcome.windows.1,
+        "validation_variance": outcome.validation_variance,
+        "validation_r2": r2,
+        "data_hash": outcome.head.data_hash,
+        "git": outcome.head.git,
+        "seed": args.seed,
+        "training": training,
+        "regime_scale": outcome.head.normalisation.regime_scale,
+        "settings": job.config,
+        "curve": outcome.curve,
+    }))
+}
+
+#[cfg(feature = "train")]
+fn bar(config: &TrainConfig) -> indicatif::ProgressBar {
+    use indicatif::{ProgressBar, ProgressStyle};
+    ProgressBar::new(config.epochs as u64).with_prefix(config.model.name()).with_style(
+        ProgressStyle::with_template(
+            "{elapsed_precise} {prefix} [{wide_bar}] {pos}/{len} steps, {eta} left  {msg}",
+        )
+        .unwrap_or_else(|_| ProgressStyle::default_bar()),
+    )
+}

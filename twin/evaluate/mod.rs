@@ -1,0 +1,18 @@
+//! The paper's tables, measured on the twin: how well residuals are predicted, how well flights are tracked.
+//!
+//! In: recordings and scenarios. Out: tables as plain values, pictures, pages. No printing: that is `cli`.
+
+pub mod ablation;
+pub mod entrants;
+pub mod fit;
+mod page;
+pub mod pickup;
+pub mod pictures;
+pub mod prediction;
+pub mod replay;
+pub mod score;
+pub mod series;
+
+pub use page::{pictures_page, prediction_page};
+pub use prediction::{PredictionTable, Row};
+pub use series::{EvaluateError, Series, Statistics};

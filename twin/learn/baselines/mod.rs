@@ -1,0 +1,66 @@
+//! The learned baselines of the paper's tables as they are trained, one file each; what flies is `residual::learned`.
+
+mod gpt2;
+mod lstm;
+mod mlp;
+mod neural_fly;
+mod transformer;
+
+use burn_tensor::Tensor;
+
+use super::config::{ModelKind, TrainConfig};
+use super::graph::{Leaves, Network};
+use crate::residual::learned::Sizes;
+
+/// The network of a baseline for so many channels, rows and flights.
+pub fn network(
+    config: &TrainConfig,
+    channels: usize,
+    outputs: usize,
+    flights: usize,
+) -> Box<dyn Network> {
+    let sizes = Sizes {
+        channels,
+        outputs,
+        t_long: config.t_long,
+        d_model: config.d_model,
+        heads: config.heads,
+        d_ff: config.d_ff,
+        d_k: match config.model {
+            ModelKind::NeuralFly => config.d_k,
+            _ => config.d_model,
+        },
+        layers: config.layers,
+        horizon: config.horizon,
+    };
+    match config.model {
+        ModelKind::Lstm => Box::new(lstm::Lstm(sizes)),
+        ModelKind::Transformer => Box::new(transformer::Transformer(sizes)),
+        ModelKind::Gpt2 => Box::new(gpt2::Gpt2(sizes)),
+        ModelKind::NeuralFly => Box::new(neural_fly::NeuralFly { sizes, flights }),
+        ModelKind::Mlp | ModelKind::Fdt => Box::new(mlp::Mlp(sizes)),
+    }
+}
+
+/// Sizes as the head of a file states them.
+fn head(sizes: &Sizes) -> serde_json::Value {
+    serde_json::to_value(sizes).unwrap_or_default()
+}
+
+/// `readout` of a last hidden vector: `[batch, horizon + 1, outputs]`.
+fn readout(w: &Leaves, sizes: &Sizes, hidden: Tensor<2>) -> Tensor<3> {
+    let batch = hidden.dims()[0];
+    w.linear("readout", hidden).reshape([batch, sizes.horizon + 1, sizes.outputs])
+}
+
+/// The ticks of a batch `[batch, channels, t]` as rows `[batch * t, channels]`, the tick running fastest.
+fn ticks(x: Tensor<3>) -> Tensor<2> {
+    let [batch, channels, t] = x.dims();
+    x.swap_dims(1, 2).reshape([batch * t, channels])
+}
+
+/// `[n, n]`: 0 where a tick may look, a large negative number where it would look ahead.
+fn causal_mask(w: &Leaves, n: usize) -> Tensor<2> {
+    let ahead = |i: usize| if i % n > i / n { -1e9 } else { 0.0 };
+    super::graph::vector((0..n * n).map(ahead).collect(), &w.device()).reshape([n, n])
+}

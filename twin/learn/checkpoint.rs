@@ -1,0 +1,251 @@
+//! Where a training stands after an epoch: weights, the best weights so far, both moments of the optimiser, the curve.
+//!
+//! One safetensors file, whole or not there. Random numbers are functions of seed and epoch, so nothing of them is kept, and a
+//! training that goes on from here gives the same bits as one that was never stopped (same machine and number of threads).
+
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use safetensors::{Dtype, SafeTensors, View};
+use serde::{Deserialize, Serialize};
+
+use super::LearnError;
+use super::adam::Adam;
+use super::config::TrainConfig;
+use super::file::write_whole;
+use super::parameters::{Parameter, Parameters};
+
+/// Key of the state in the file's metadata.
+const KEY: &str = "twin.checkpoint";
+
+/// Prefixes of the four sets of tensors.
+const SETS: [&str; 4] = ["weights/", "best/", "first/", "second/"];
+
+/// One epoch of the curve.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EpochRecord {
+    /// From 1.
+    pub epoch: usize,
+    /// Mean squared z-score over the training windows, with noise.
+    pub train_loss: f64,
+    /// The same over the validation windows, without noise.
+    pub validation_loss: f64,
+    /// Learning rate of the last step.
+    pub learning_rate: f64,
+    /// Time of the epoch, s.
+    pub wall_s: f64,
+}
+
+/// Everything but the tensors.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    /// What is trained.
+    pub config: TrainConfig,
+    /// Seed.
+    pub seed: u64,
+    /// Hash of the data.
+    pub data_hash: String,
+    /// Steps of the optimiser.
+    pub steps: u64,
+    /// The curve so far; its length is the number of epochs done.
+    pub curve: Vec<EpochRecord>,
+    /// Epoch of the best validation loss, from 1; 0 before the first.
+    pub best_epoch: usize,
+}
+
+/// Where a training stands.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Checkpoint {
+    /// Everything but the tensors.
+    pub state: State,
+    /// The weights after the last epoch.
+    pub weights: Parameters,
+    /// The weights of the best epoch.
+    pub best: Parameters,
+    /// The optimiser.
+    pub adam: Adam,
+}
+
+/// `W.safetensors` has its checkpoint in `W.checkpoint`.
+pub fn path_for(out: &Path) -> PathBuf {
+    out.with_extension("checkpoint")
+}
+
+struct Raw(Vec<usize>, Vec<u8>);
+
+impl View for Raw {
+    fn dtype(&self) -> Dtype {
+        Dtype::F32
+    }
+    fn shape(&self) -> &[usize] {
+        &self.0
+    }
+    fn data(&self) -> Cow<'_, [u8]> {
+        Cow::Borrowed(&self.1)
+    }
+    fn data_len(&self) -> usize {
+        self.1.len()
+    }
+}
+
+impl Checkpoint {
+    /// Writes it over the one before.
+    ///
+    /// # Errors
+    /// [`LearnError::File`] if that fails; the one before is intact.
+    pub fn write(&self, path: &Path) -> Result<(), LearnError> {
+        let sets = [&self.weights, &self.best, &self.adam.first, &self.adam.second];
+        let tensors = SETS.iter().zip(sets).flat_map(|(prefix, set)| {
+            set.0.iter().map(move |p| {
+                let bytes = p.values.iter().flat_map(|v| v.to_le_bytes()).collect();
+                (format!("{prefix}{}", p.name), Raw(p.shape.clone(), bytes))
+            })
+        });
+        let state =
+            serde_json::to_string(&self.state).map_err(|why| LearnError::write(path, why))?;
+        let metadata = HashMap::from([(KEY.to_owned(), state)]);
+        let bytes = safetensors::serialize(tensors, Some(metadata))
+            .map_err(|why| LearnError::write(path, why))?;
+        write_whole(path, &bytes)
+    }
+
+    /// Reads one whose weights are those of `like` in name and shape.
+    ///
+    /// # Errors
+    /// [`LearnError`] if there is none, it is damaged, or of another model.
+    pub fn read(path: &Path, like: &Parameters) -> Result<Self, LearnError> {
+        let unusable = |why: &dyn std::fmt::Display| LearnError::read(path, why);
+        let bytes = std::fs::read(path).map_err(|why| unusable(&why))?;
+        let (_, metadata) = SafeTensors::read_metadata(&bytes).map_err(|why| unusable(&why))?;
+        let text = metadata
+            .metadata()
+            .as_ref()
+            .and_then(|pairs| pairs.get(KEY))
+            .ok_or_else(|| unusable(&"not a checkpoint of `twin train`"))?;
+        let state: State = serde_json::from_str(text).map_err(|why| unusable(&why))?;
+        let file = SafeTensors::deserialize(&bytes).map_err(|why| unusable(&why))?;
+        let mut sets = Vec::new();
+        for prefix in SETS {
+            let one = |p: &Parameter| {
+                let name = format!("{prefix}{}", p.name);
+                let view = file.tensor(&name).map_err(|why| unusable(&why))?;
+                if view.dtype() != Dtype::F32 || view.shape() != p.shape {
+                    let found = format!("{name} is {:?} {:?}", view.dtype(), view.shape());
+                    return Err(unusable(&format!("{found}, expected F32 {:?}", p.shape)));
+                }
+                let four = view.data().as_chunks::<4>().0.iter();
+                let values = four.map(|bytes| f32::from_le_bytes(*bytes)).collect();
+                Ok(Parameter { values, ..p.clone() })
+            };
+            sets.push(Parameters(like.0.iter().map(one).collect::<Result<_, _>>()?));
+        }
+        let [weights, best, first, second] =
+            <[Parameters; 4]>::try_from(sets).map_err(|_| unusable(&"sets of tensors"))?;
+        let adam = Adam { first, second, steps: state.steps };
+        Ok(Self { state, weights, best, adam })
+    }
+
+    /// Refuses to go on with another training.
+    ///
+    /// # Errors
+    /// [`LearnError::OtherTraining`] saying what differs.
+    pub fn check_same(
+        &self,
+        path: &Path,
+        config: &TrainConfig,
+        seed: u64,
+        data_hash: &str,
+    ) -> Result<(), LearnError> {
+        let differs = |what, found: String, expected: String| {
+            if found == expected {
+                return Ok(());
+            }
+            Err(LearnError::OtherTraining { path: path.to_owned(), what, found, expected })
+        };
+        let settings = |config: &TrainConfig| serde_json::to_string(config).unwrap_or_default();
+        differs("the data hash", self.state.data_hash.clone(), data_hash.to_owned())?;
+        differs("the seed", self.state.seed.to_string(), seed.to_string())?;
+        differs("the configuration", settings(&self.state.config), settings(config))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::learn::windows::generator;
+
+    fn checkpoint() -> Checkpoint {
+        let shapes = [("a.weight".to_owned(), vec![3, 2]), ("b.bias".to_owned(), vec![3])];
+        let weights = Parameters::initial(&shapes, &mut generator(1, 0, 0));
+        let record = EpochRecord {
+            epoch: 1,
+            train_loss: 0.1,
+            validation_loss: 1.0 / 3.0,
+            learning_rate: 1e-3,
+            wall_s: 0.5,
+        };
+        let state = State {
+            config: TrainConfig::default(),
+            seed: 3,
+            data_hash: "ab".to_owned(),
+            steps: 7,
+            curve: vec![record],
+            best_epoch: 1,
+        };
+        let mut adam = Adam::new(&weights);
+        adam.step(&mut weights.clone(), &[vec![0.3; 6], vec![-0.1; 3]], 1e-3, 1.0);
+        adam.steps = 7;
+        Checkpoint { state, best: weights.clone(), weights, adam }
+    }
+
+    fn folder(name: &str) -> PathBuf {
+        let folder = std::env::temp_dir().join(format!("twin-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        folder
+    }
+
+    #[test]
+    fn what_is_read_is_what_was_written() {
+        let (written, path) = (checkpoint(), folder("checkpoint").join("w.checkpoint"));
+        written.write(&path).unwrap();
+        assert_eq!(Checkpoint::read(&path, &written.weights).unwrap(), written);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_full_disk_leaves_the_checkpoint_before_and_says_so() {
+        let (mut one, path) = (checkpoint(), folder("full-disk").join("w.checkpoint"));
+        one.write(&path).unwrap();
+        let before = std::fs::read(&path).unwrap();
+        // The place beside it leads to a device that is always full.
+        if std::os::unix::fs::symlink("/dev/full", super::super::file::beside(&path)).is_err()
+            || !Path::new("/dev/full").exists()
+        {
+            eprintln!("skipped: no /dev/full here");
+            return;
+        }
+        one.state.steps = 8;
+        let error = one.write(&path).unwrap_err().to_string();
+        assert!(error.contains("space") && error.contains("is intact"), "{error}");
+        assert_eq!(std::fs::read(&path).unwrap(), before);
+        one.write(&path).unwrap();
+        assert_eq!(Checkpoint::read(&path, &one.weights).unwrap().state.steps, 8);
+    }
+
+    #[test]
+    fn a_cut_or_foreign_file_and_another_training_are_refused() {
+        let (one, path) = (checkpoint(), folder("cut").join("w.checkpoint"));
+        one.write(&path).unwrap();
+        let whole = std::fs::read(&path).unwrap();
+        for length in [0, 5, 40, whole.len() - 1] {
+            std::fs::write(&path, &whole[..length]).unwrap();
+            let error = Checkpoint::read(&path, &one.weights).unwrap_err().to_string();
+            assert!(error.contains("w.checkpoint") && error.contains("read"), "{error}");
+        }
+        let same = |seed, hash| one.check_same(&path, &TrainConfig::default(), seed, hash);
+        assert!(same(3, "ab").is_ok());
+        assert!(same(4, "ab").unwrap_err().to_string().contains("the seed was 3, now it is 4"));
+        assert!(same(3, "cd").unwrap_err().to_string().contains("the data hash"));
+    }
+}

@@ -1,0 +1,102 @@
+//! The learning curve as a picture: loss of training and validation over the epochs, on a logarithmic axis.
+
+use plotters::prelude::*;
+
+use super::LearnError;
+use super::checkpoint::EpochRecord;
+
+const SIZE_PX: (u32, u32) = (760, 460);
+
+/// Okabe and Ito's blue and vermilion.
+const TRAIN: RGBColor = RGBColor(0, 114, 178);
+const VALIDATION: RGBColor = RGBColor(213, 94, 0);
+
+/// The curve as SVG; `best_epoch` is marked.
+///
+/// # Errors
+/// [`LearnError::Picture`] if there is nothing to draw, or drawing fails.
+pub fn svg(title: &str, curve: &[EpochRecord], best_epoch: usize) -> Result<String, LearnError> {
+    if curve.is_empty() {
+        return Err(LearnError::Picture("no epoch was trained".to_owned()));
+    }
+    let mut text = String::new();
+    draw(&mut text, title, curve, best_epoch)
+        .map_err(|error| LearnError::Picture(error.to_string()))?;
+    Ok(text)
+}
+
+fn draw(
+    text: &mut String,
+    title: &str,
+    curve: &[EpochRecord],
+    best_epoch: usize,
+) -> Result<(), Box<dyn std::error::Error>> {
+    let area = SVGBackend::with_string(text, SIZE_PX).into_drawing_area();
+    area.fill(&WHITE)?;
+    let losses = curve.iter().flat_map(|r| [r.train_loss, r.validation_loss]);
+    let (low, high) = losses.fold((f64::MAX, 1e-9_f64), |(l, h), v| (l.min(v.max(1e-9)), h.max(v)));
+    let last = curve.len() as f64;
+    let mut chart = ChartBuilder::on(&area)
+        .margin(14)
+        .caption(title, ("sans-serif", 18))
+        .x_label_area_size(44)
+        .y_label_area_size(70)
+        .build_cartesian_2d(0.5..last + 0.5, (low * 0.8..high * 1.25).log_scale())?;
+    chart
+        .configure_mesh()
+        .x_desc("epoch")
+        .y_desc("mean squared z-score")
+        .y_label_formatter(&|y: &f64| format!("{y:.3}"))
+        .label_style(("sans-serif", 13))
+        .axis_desc_style(("sans-serif", 15))
+        .light_line_style(WHITE)
+        .draw()?;
+    let line = |of: fn(&EpochRecord) -> f64, colour: RGBColor| {
+        let points: Vec<(f64, f64)> = curve.iter().map(|r| (r.epoch as f64, of(r))).collect();
+        std::iter::once(PathElement::new(points, colour.stroke_width(2)))
+    };
+    let key = |(x, y): (i32, i32), colour: RGBColor| {
+        PathElement::new(vec![(x, y), (x + 18, y)], colour.stroke_width(2))
+    };
+    chart
+        .draw_series(line(|r| r.train_loss, TRAIN))?
+        .label("training, with noise on the forces")
+        .legend(move |at| key(at, TRAIN));
+    chart
+        .draw_series(line(|r| r.validation_loss, VALIDATION))?
+        .label("validation")
+        .legend(move |at| key(at, VALIDATION));
+    let best = curve.iter().filter(|r| r.epoch == best_epoch);
+    chart.draw_series(
+        best.map(|r| Circle::new((r.epoch as f64, r.validation_loss), 5, VALIDATION.filled())),
+    )?;
+    chart
+        .configure_series_labels()
+        .position(SeriesLabelPosition::UpperRight)
+        .background_style(WHITE.mix(0.85))
+        .border_style(BLACK.mix(0.3))
+        .label_font(("sans-serif", 14))
+        .draw()?;
+    area.present()?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_curve_is_an_svg_with_both_lines_and_none_is_an_error() {
+        let record = |epoch: usize| EpochRecord {
+            epoch,
+            train_loss: 1.0 / epoch as f64,
+            validation_loss: 1.2 / epoch as f64,
+            learning_rate: 1e-3,
+            wall_s: 1.0,
+        };
+        let text = svg("fdt", &[record(1), record(2), record(3)], 3).unwrap();
+        assert!(text.starts_with("<svg") && text.matches("<polyline").count() >= 2, "{text}");
+        assert!(text.contains("validation") && text.contains("<circle"));
+        assert!(svg("fdt", &[], 0).is_err());
+    }
+}

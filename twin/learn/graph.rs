@@ -1,0 +1,234 @@
+//! Blocks of the networks as burn records them for the gradient. Shapes in brackets, batch first.
+//!
+//! burn 0.22.1 deadlocks when two threads run gradients in one process: whoever computes with it holds [`exclusive`].
+
+use std::collections::BTreeMap;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use burn_tensor::activation::{gelu, softmax};
+use burn_tensor::{Device, Gradients, Tensor, TensorData};
+
+use super::parameters::Parameters;
+
+/// Added to the variance of a layer normalisation.
+const LAYER_NORM_EPSILON: f64 = 1e-5;
+
+static ONE_THREAD: Mutex<()> = Mutex::new(());
+
+/// The right to compute with burn; given back when dropped.
+pub fn exclusive() -> MutexGuard<'static, ()> {
+    ONE_THREAD.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The device for gradients (`tracked`) or for evaluation alone.
+pub fn device(tracked: bool) -> Device {
+    if tracked { Device::flex().autodiff() } else { Device::flex() }
+}
+
+/// A model's parameters as tensors of one step.
+pub struct Leaves {
+    tensors: BTreeMap<String, (Tensor<1>, Vec<usize>)>,
+    order: Vec<String>,
+    device: Device,
+}
+
+impl Leaves {
+    /// `parameters` on the device; tracked, a gradient is recorded for each of them.
+    pub fn new(parameters: &Parameters, tracked: bool) -> Self {
+        let device = device(tracked);
+        let leaf = |values: &[f32]| {
+            let tensor: Tensor<1> = vector(values.to_vec(), &device);
+            if tracked { tensor.require_grad() } else { tensor }
+        };
+        let all = parameters.0.iter();
+        Self {
+            tensors: all
+                .clone()
+                .map(|p| (p.name.clone(), (leaf(&p.values), p.shape.clone())))
+                .collect(),
+            order: all.map(|p| p.name.clone()).collect(),
+            device,
+        }
+    }
+
+    /// Where the tensors are.
+    pub fn device(&self) -> Device {
+        self.device.clone()
+    }
+
+    /// The same, with no gradient for the tensors whose names start with `stem`.
+    #[must_use]
+    pub fn detached(&self, stem: &str) -> Self {
+        let one = |(name, (leaf, shape)): (&String, &(Tensor<1>, Vec<usize>))| {
+            let leaf = leaf.clone();
+            let leaf = if name.starts_with(stem) { leaf.detach() } else { leaf };
+            (name.clone(), (leaf, shape.clone()))
+        };
+        Self {
+            tensors: self.tensors.iter().map(one).collect(),
+            order: self.order.clone(),
+            device: self.device.clone(),
+        }
+    }
+
+    /// Gradients in the order of the parameters; zero for one that the loss does not depend on.
+    pub fn gradients(&self, mut gradients: Gradients) -> Vec<Vec<f32>> {
+        let of = |name: &String| {
+            let (leaf, shape) = &self.tensors[name];
+            let gradient = leaf.grad_remove(&mut gradients);
+            gradient.map_or_else(|| vec![0.0; shape.iter().product()], values)
+        };
+        self.order.iter().map(of).collect()
+    }
+
+    /// Whether there is a tensor of that name.
+    pub fn has(&self, name: &str) -> bool {
+        self.tensors.contains_key(name)
+    }
+
+    /// A tensor as `[n]`.
+    ///
+    /// # Panics
+    /// If the model has none of that name.
+    pub fn vector(&self, name: &str) -> Tensor<1> {
+        let (leaf, _) = self.tensors.get(name).expect("a tensor that the model lists");
+        leaf.clone()
+    }
+
+    /// A tensor as `[rows, columns]`.
+    ///
+    /// # Panics
+    /// If the model has none of that name and rank.
+    pub fn matrix(&self, name: &str) -> Tensor<2> {
+        let (leaf, shape) = self.tensors.get(name).expect("a tensor that the model lists");
+        leaf.clone().reshape([shape[0], shape[1]])
+    }
+
+    /// `x W^T + b` (without `b` if there is none): `[rows, inputs]` to `[rows, out]`.
+    pub fn linear(&self, stem: &str, x: Tensor<2>) -> Tensor<2> {
+        let product = x.matmul(self.matrix(&format!("{stem}.weight")).transpose());
+        let bias = format!("{stem}.bias");
+        if self.has(&bias) { product + self.vector(&bias).unsqueeze::<2>() } else { product }
+    }
+
+    /// Layer normalisation of each row: `[rows, width]`.
+    pub fn norm(&self, stem: &str, x: Tensor<2>) -> Tensor<2> {
+        let centred = x.clone() - x.mean_dim(1);
+        let variance = centred.clone().square().mean_dim(1);
+        let unit = centred / (variance + LAYER_NORM_EPSILON).sqrt();
+        unit * self.vector(&format!("{stem}.weight")).unsqueeze::<2>()
+            + self.vector(&format!("{stem}.bias")).unsqueeze::<2>()
+    }
+
+    /// [`Leaves::attend`] with a layer normalisation first: `[batch, n, d]`.
+    pub fn attention(
+        &self,
+        [norm, qkv, out]: [&str; 3],
+        heads: usize,
+        tokens: Tensor<3>,
+        mask: Option<Tensor<2>>,
+    ) -> Tensor<3> {
+        let [batch, n, d] = tokens.dims();
+        let normed = self.norm(norm, tokens.reshape([batch * n, d])).reshape([batch, n, d]);
+        self.attend([qkv, out], heads, normed, mask)
+    }
+
+    /// Self-attention over the tokens of each sequence without a residual sum: `[batch, n, d]`. `mask`, `[n, n]`, is added to
+    /// the scores.
+    pub fn attend(
+        &self,
+        [qkv, out]: [&str; 2],
+        heads: usize,
+        tokens: Tensor<3>,
+        mask: Option<Tensor<2>>,
+    ) -> Tensor<3> {
+        let [batch, n, d] = tokens.dims();
+        let width = d / heads;
+        let qkv: Tensor<5> = self
+            .linear(qkv, tokens.reshape([batch * n, d]))
+            .reshape([batch, n, 3, heads, width])
+            .permute([2, 0, 3, 1, 4]);
+        let part = |index: usize| -> Tensor<4> {
+            qkv.clone().narrow(0, index, 1).reshape([batch, heads, n, width])
+        };
+        let scores = part(0).matmul(part(1).swap_dims(2, 3)) / (width as f32).sqrt();
+        let scores = match mask {
+            Some(mask) => scores + mask.reshape([1, 1, n, n]),
+            None => scores,
+        };
+        let mixed = softmax(scores, 3).matmul(part(2)).permute([0, 2, 1, 3]);
+        self.linear(out, mixed.reshape([batch * n, d])).reshape([batch, n, d])
+    }
+
+    /// `W_2 GELU(W_1 x + b_1) + b_2`: `[rows, inputs]` to `[rows, out]`.
+    pub fn mlp(&self, [hidden, out]: [&str; 2], x: Tensor<2>) -> Tensor<2> {
+        self.linear(out, gelu(self.linear(hidden, x)))
+    }
+}
+
+/// Values onto the device: `[n]`.
+pub fn vector(values: Vec<f32>, device: &Device) -> Tensor<1> {
+    let length = values.len();
+    Tensor::from_data(TensorData::new(values, [length]), device)
+}
+
+/// A tensor's values, row-major.
+///
+/// # Panics
+/// If the device fails or holds something else than `f32`; the processor's does neither.
+pub fn values<const D: usize>(tensor: Tensor<D>) -> Vec<f32> {
+    tensor.into_data().try_to_vec::<f32>().expect("a tensor of f32")
+}
+
+/// What a network says about a batch.
+pub struct Output {
+    /// z-scored forecasts, `[batch, horizon + 1, outputs]`.
+    pub forecast: Tensor<3>,
+    /// Regime latent before its scale, `[batch, d_k]`; what an adaptive last layer sees.
+    pub regime: Tensor<2>,
+}
+
+/// A batch on the device.
+pub struct Inputs {
+    /// `[batch, channels, t_long]`.
+    pub x: Tensor<3>,
+    /// `[batch, horizon + 1, outputs]`.
+    pub y: Tensor<3>,
+    /// Flight of each window.
+    pub flights: Vec<usize>,
+    /// How far the training is, 0 to 1.
+    pub progress: f64,
+}
+
+/// A model that can be trained.
+pub trait Network {
+    /// Its word in the head of the file.
+    fn name(&self) -> &'static str;
+
+    /// Its sizes, for the head of the file.
+    fn config(&self) -> serde_json::Value;
+
+    /// Name and shape of every tensor of the file.
+    fn tensors(&self) -> Vec<(String, Vec<usize>)>;
+
+    /// Tensors that are needed for training alone and are not written.
+    fn helpers(&self) -> Vec<(String, Vec<usize>)> {
+        Vec::new()
+    }
+
+    /// Forecast and regime.
+    fn forward(&self, leaves: &Leaves, x: Tensor<3>) -> Output;
+
+    /// What is minimised over a batch, `[1]`: by default the mean squared error over the whole horizon and all rows.
+    fn loss(&self, leaves: &Leaves, inputs: Inputs) -> Tensor<1> {
+        mean_square(self.forward(leaves, inputs.x).forecast - inputs.y)
+    }
+
+    /// Keeps `parameters` within what the model allows, after every step.
+    fn constrain(&self, _parameters: &mut Parameters) {}
+}
+
+/// The mean of the squares, `[1]`.
+pub fn mean_square(error: Tensor<3>) -> Tensor<1> {
+    error.square().mean()
+}

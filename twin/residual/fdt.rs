@@ -1,0 +1,137 @@
+//! Factorized Dynamics Transformer (sec. Offline Residual Dynamics Learning, trained by `eq:training_loss`): forecasts the
+//! residual of `eq:residual_dynamics` from the histories of coordinates, rates and force.
+//!
+//! In: [`History`]. Out: base forecast in N and N m for `j = 0..=k`, the regime `g'` that the adapter of `lip` corrects on, and
+//! the attention over the channels. State: the weights, never changed in flight.
+//!
+//! How the paper is read where its text leaves a choice:
+//! - **Inputs** (sec. Variable-Wise Temporal Embedding): `x_t` holds the force of the previous tick, `tau_{t-1}`; the present one
+//!   is not known when `r_t` is forecast. Windows are exactly `T_s` and `T_l` ticks, the last is now. Histories and residuals are
+//!   z-scored by the training data, or the sum of `eq:training_loss` would add N to N m. `x`, `y` and `psi` are masked: where the
+//!   vehicle is, says nothing about the force on it.
+//! - **Layers** (sec. Short-Horizon Context Encoding): the one equation of the encoder, `E~ = MSA([E; g]) + [E; g]`, stands
+//!   `layers` times, without a feed-forward network of its own. Layer normalisation, which the text does not name, stands before
+//!   the attention, before `W_Q` and before the decoder's FFN. One learned global token goes through all layers.
+//! - **Memory** (sec. Long-Horizon Memory Retrieval): the shared MLP is `T_l -> d -> d` with GELU (exact error function); its
+//!   output carries the channel's identity too, or the attention could not tell the channels apart. One head of width `d_k`;
+//!   nothing is added to `g'`, which is the adapter's regressor.
+//! - **Encoder output** (sec. Residual Prediction): `[E~; lift g']`, the tokens after the attention, and `g'` through a learned
+//!   map to their width. The adapter sees `g'` itself, times `regime_scale`.
+//! - **Decoder**: the FFN with its own residual sum, then an MLP on the mean of the channels' outputs beside the last token's.
+//!   The number of tokens is then no part of its size.
+//! - **Correction** (`r_adapt`): the adapter corrects `j = 0`; what it adds there is added to every `j`.
+
+mod fast;
+mod fold;
+mod model;
+
+use super::nn::Precision;
+use super::nn::kernels::Kernel;
+use super::weights::{Weights, WeightsError};
+use super::{History, Predictor, PredictorInfo};
+use crate::notation::{Coords, N};
+use crate::tick::Forecast;
+
+pub use fast::Fast;
+pub use model::{Model, Output};
+
+/// The network with the statistics of its training data.
+pub struct Fdt {
+    network: Fast,
+    /// Per channel: mean and reciprocal of the standard deviation; the latter zero where the channel is masked.
+    inputs: Vec<(f64, f64)>,
+    mean: Coords,
+    std: Coords,
+    regime_scale: f64,
+    x: Vec<f32>,
+    attends: Vec<String>,
+}
+
+impl Fdt {
+    /// The predictor of `weights`, computed by `kernel`.
+    ///
+    /// # Errors
+    /// [`WeightsError`] if they are of another model or vehicle, or a tensor is not what it must be.
+    pub fn new(
+        weights: &Weights,
+        kernel: Kernel,
+        precision: Precision,
+    ) -> Result<Self, WeightsError> {
+        let model = Model::new(weights)?;
+        weights.head.check_channels()?;
+        let n = &weights.head.normalisation;
+        let inputs = weights
+            .head
+            .channel_names
+            .iter()
+            .zip(n.input_mean.iter().zip(&n.input_std))
+            .map(|(name, (mean, std))| {
+                (*mean, if n.masked.contains(name) { 0.0 } else { std.recip() })
+            })
+            .collect();
+        Ok(Self {
+            x: vec![0.0; model.config.channels * model.config.t_long],
+            inputs,
+            mean: Coords::from_column_slice(&n.output_mean),
+            std: Coords::from_column_slice(&n.output_std),
+            regime_scale: n.regime_scale,
+            attends: if model.config.long_memory {
+                weights.head.channel_names.clone()
+            } else {
+                Vec::new()
+            },
+            network: Fast::new(&model, kernel, precision),
+        })
+    }
+
+    /// z-scored histories; what is missing at the start is the oldest entry, held.
+    fn window(&mut self, history: &History) {
+        let t_long = self.network.config().t_long;
+        let skip = history.len().saturating_sub(t_long);
+        let missing = t_long.saturating_sub(history.len());
+        for (tick, entry) in history.iter().skip(skip).enumerate() {
+            let parts = [&entry.chi, &entry.chi_dot, &entry.tau_previous];
+            let values = parts.into_iter().flat_map(|part| part.iter());
+            for (channel, (value, (mean, per_std))) in values.zip(&self.inputs).enumerate() {
+                // A masked channel is zero whatever it reads.
+                let z = if *per_std == 0.0 { 0.0 } else { ((value - mean) * per_std) as f32 };
+                let row = &mut self.x[channel * t_long..][..t_long];
+                row[missing + tick] = z;
+                if tick == 0 {
+                    row[..missing].fill(z);
+                }
+            }
+        }
+    }
+}
+
+impl Predictor for Fdt {
+    fn regime_len(&self) -> usize {
+        self.network.config().d_k
+    }
+
+    fn history_len(&self) -> usize {
+        self.network.config().t_long
+    }
+
+    fn info(&self) -> PredictorInfo {
+        PredictorInfo {
+            scale: self.std,
+            attends: self.attends.clone(),
+            kernel: self.network.arithmetic(),
+        }
+    }
+
+    fn predict(&mut self, history: &History) -> Forecast {
+        self.window(history);
+        let Output { residual, regime, attention } = self.network.forward(&self.x);
+        let physical = |z: &[f32]| {
+            Coords::from_fn(|row, _| f64::from(z[row])).component_mul(&self.std) + self.mean
+        };
+        Forecast {
+            base: residual.chunks_exact(N).map(physical).collect(),
+            regime: regime.iter().map(|g| f64::from(*g) * self.regime_scale).collect(),
+            attention: attention.iter().map(|weight| f64::from(*weight)).collect(),
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! Multi-layer perceptron on the last ticks whose last layer goes on learning in flight by gradient. After Sanner and Slotine,
+//! Gaussian Networks for Direct Adaptive Control, IEEE TNN 3(6), 1992, with learned instead of Gaussian features.
+
+use super::super::nn::{Linear, relu_all};
+use super::super::weights::Weights;
+use super::{Network, Shapes, Sizes, linear};
+
+/// Its word.
+pub const NAME: &str = "mlp";
+
+/// Part of the error at the last tick that one step takes away (normalised gradient, so below 2 it is stable).
+const STEP: f32 = 0.05;
+
+/// Name and shape of every tensor.
+pub fn tensors(sizes: &Sizes) -> Shapes {
+    let mut all = Vec::new();
+    for layer in 0..sizes.layers {
+        let inputs = if layer == 0 { sizes.channels * sizes.t_long } else { sizes.d_model };
+        all.extend(linear(&format!("hidden.{layer}"), sizes.d_model, inputs));
+    }
+    all.extend(linear("readout", sizes.readout(), sizes.d_model));
+    all
+}
+
+/// The network.
+pub struct Mlp {
+    hidden: Vec<Linear>,
+    readout: Linear,
+}
+
+impl Mlp {
+    pub(super) fn new(weights: &Weights, sizes: &Sizes) -> Self {
+        let inputs = |layer| if layer == 0 { sizes.channels * sizes.t_long } else { sizes.d_model };
+        let layer = |layer| Linear::load(weights, &format!("hidden.{layer}"), inputs(layer));
+        Self {
+            hidden: (0..sizes.layers).map(layer).collect(),
+            readout: Linear::load(weights, "readout", sizes.d_model),
+        }
+    }
+}
+
+impl Network for Mlp {
+    fn forward(&self, x: &[f32]) -> (Vec<f32>, Vec<f32>) {
+        let mut hidden = x.to_vec();
+        for layer in &self.hidden {
+            hidden = layer.apply(&hidden);
+            relu_all(&mut hidden);
+        }
+        (self.readout.apply(&hidden), hidden)
+    }
+
+    /// One step along the gradient of the squared error at the last tick; every forecast of a row moves by the same.
+    fn learn(&mut self, hidden: &[f32], residual: &[f32]) {
+        let said = self.readout.apply(hidden);
+        let rate = STEP / (1.0 + hidden.iter().map(|h| h * h).sum::<f32>());
+        let (inputs, outputs) = (self.readout.inputs, residual.len());
+        for (at, row) in self.readout.weight.chunks_exact_mut(inputs).enumerate() {
+            let error = residual[at % outputs] - said[at % outputs];
+            row.iter_mut().zip(hidden).for_each(|(w, h)| *w += rate * error * h);
+        }
+        for (at, bias) in self.readout.bias.iter_mut().enumerate() {
+            *bias += rate * (residual[at % outputs] - said[at % outputs]);
+        }
+    }
+}

@@ -1,0 +1,42 @@
+//! Linear map with optional bias.
+
+use super::super::weights::Weights;
+
+/// `y = W x + b` on each vector of a sequence.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Linear {
+    /// `W`, [outputs, inputs].
+    pub weight: Vec<f32>,
+    /// `b`, [outputs]; empty if there is none.
+    pub bias: Vec<f32>,
+    /// Width of an input.
+    pub inputs: usize,
+}
+
+impl Linear {
+    /// The tensors `{stem}.weight` and, if there, `{stem}.bias`; `inputs` is at least 1.
+    pub fn load(weights: &Weights, stem: &str, inputs: usize) -> Self {
+        Self {
+            weight: weights.values(&format!("{stem}.weight")),
+            bias: weights.values(&format!("{stem}.bias")),
+            inputs,
+        }
+    }
+
+    /// Width of an output.
+    pub fn outputs(&self) -> usize {
+        self.weight.len() / self.inputs
+    }
+
+    /// `x`: [n, inputs]. Result: [n, outputs].
+    pub fn apply(&self, x: &[f32]) -> Vec<f32> {
+        let mut y = Vec::with_capacity(x.len() / self.inputs * self.outputs());
+        for row in x.chunks_exact(self.inputs) {
+            for (output, w) in self.weight.chunks_exact(self.inputs).enumerate() {
+                let dot: f32 = w.iter().zip(row).map(|(w, x)| w * x).sum();
+                y.push(dot + self.bias.get(output).copied().unwrap_or(0.0));
+            }
+        }
+        y
+    }
+}

@@ -1,0 +1,170 @@
+//! Sizes and flags of the Factorized Dynamics Transformer, and the tensors they stand for.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Head, WeightsError};
+
+/// Sizes and ablation flags. The letters are the paper's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FdtConfig {
+    /// Input channels `d_v`.
+    pub channels: usize,
+    /// Rows of the residual.
+    pub outputs: usize,
+    /// Short window `T_s`, ticks.
+    pub t_short: usize,
+    /// Long window `T_l`, ticks.
+    pub t_long: usize,
+    /// Width of a token, `d_model`.
+    pub d_model: usize,
+    /// Attention heads of a layer.
+    pub heads: usize,
+    /// Hidden width of the decoder, `d_ff`.
+    pub d_ff: usize,
+    /// Width of the regime `g'`.
+    pub d_k: usize,
+    /// Attention layers.
+    pub layers: usize,
+    /// Horizon `k`: `k + 1` forecasts.
+    pub horizon: usize,
+    /// A learned global token joins the channels' tokens.
+    pub global_token: bool,
+    /// The short window is seen.
+    pub short_horizon: bool,
+    /// The long window is seen.
+    pub long_memory: bool,
+}
+
+impl FdtConfig {
+    /// The shipped size.
+    pub const SMALL: Self = Self {
+        channels: 24,
+        outputs: 8,
+        t_short: 5,
+        t_long: 120,
+        d_model: 64,
+        heads: 4,
+        d_ff: 256,
+        d_k: 32,
+        layers: 2,
+        horizon: 6,
+        global_token: true,
+        short_horizon: true,
+        long_memory: true,
+    };
+
+    /// The paper's size, with `d_k` of 32 at every size.
+    pub const PAPER: Self = Self { d_model: 512, heads: 8, d_ff: 2048, ..Self::SMALL };
+
+    /// The configuration in a head.
+    ///
+    /// # Errors
+    /// [`WeightsError`] if it is not one, or if its sizes do not fit each other or the head.
+    pub fn of(head: &Head) -> Result<Self, WeightsError> {
+        let config: Self = serde_json::from_value(head.config.clone())
+            .map_err(|error| WeightsError::Head { reason: format!("config: {error}") })?;
+        config.check()?;
+        for (key, found, expected) in [
+            ("channels", config.channels, head.channel_names.len()),
+            ("outputs", config.outputs, head.output_names.len()),
+        ] {
+            if found != expected {
+                let expected = format!("{expected}, as many as the head names");
+                return Err(WeightsError::Config { key, found: found.to_string(), expected });
+            }
+        }
+        Ok(config)
+    }
+
+    /// Sizes within what fits into memory, and fitting each other.
+    ///
+    /// # Errors
+    /// [`WeightsError::Config`] naming the first that does not.
+    pub fn check(&self) -> Result<(), WeightsError> {
+        for (key, found, most) in [
+            ("channels", self.channels, 256),
+            ("outputs", self.outputs, 64),
+            ("t_short", self.t_short, self.t_long.min(1024)),
+            ("t_long", self.t_long, 1024),
+            ("d_model", self.d_model, 4096),
+            ("heads", self.heads, self.d_model),
+            ("d_ff", self.d_ff, 16_384),
+            ("d_k", self.d_k, 1024),
+            ("layers", self.layers, 32),
+            // One forecast at least.
+            ("horizon", self.horizon + 1, 64),
+        ] {
+            if !(1..=most).contains(&found) {
+                let expected = format!("1..={most}");
+                return Err(WeightsError::Config { key, found: found.to_string(), expected });
+            }
+        }
+        if !self.d_model.is_multiple_of(self.heads) {
+            return Err(WeightsError::Config {
+                key: "heads",
+                found: self.heads.to_string(),
+                expected: format!("a divisor of d_model = {}", self.d_model),
+            });
+        }
+        if !self.short_horizon && !self.global_token {
+            return Err(WeightsError::Config {
+                key: "global_token",
+                found: "false".to_owned(),
+                expected: "true where short_horizon is false: something must ask the memory"
+                    .to_owned(),
+            });
+        }
+        Ok(())
+    }
+
+    /// Numbers the decoder gives: `(k + 1)` forecasts of every row.
+    pub fn readout(&self) -> usize {
+        (self.horizon + 1) * self.outputs
+    }
+
+    /// Name and shape of every tensor.
+    pub fn tensors(&self) -> Vec<(String, Vec<usize>)> {
+        let Self { channels, d_model: d, d_ff, d_k, .. } = *self;
+        let mut all: Vec<(String, Vec<usize>)> = Vec::new();
+        let mut add = |name: &str, shape: &[usize]| all.push((name.to_owned(), shape.to_vec()));
+        if self.global_token {
+            add("short.global", &[d]);
+        }
+        if self.short_horizon {
+            add("short.embed.weight", &[d, self.t_short]);
+            add("short.identity", &[channels, d]);
+            for layer in 0..self.layers {
+                let stem = format!("short.layer.{layer}");
+                add(&format!("{stem}.norm.weight"), &[d]);
+                add(&format!("{stem}.norm.bias"), &[d]);
+                add(&format!("{stem}.qkv.weight"), &[3 * d, d]);
+                add(&format!("{stem}.out.weight"), &[d, d]);
+                add(&format!("{stem}.out.bias"), &[d]);
+            }
+        }
+        if self.long_memory {
+            add("long.hidden.weight", &[d, self.t_long]);
+            add("long.hidden.bias", &[d]);
+            add("long.out.weight", &[d, d]);
+            add("long.identity", &[channels, d]);
+            add("cross.query.weight", &[d_k, d]);
+            add("cross.key.weight", &[d_k, d]);
+        }
+        add("cross.norm.weight", &[d]);
+        add("cross.norm.bias", &[d]);
+        add("cross.value.weight", &[d_k, d]);
+        add("cross.lift.weight", &[d, d_k]);
+        add("decoder.norm.weight", &[d]);
+        add("decoder.norm.bias", &[d]);
+        add("decoder.ffn.hidden.weight", &[d_ff, d]);
+        add("decoder.ffn.hidden.bias", &[d_ff]);
+        add("decoder.ffn.out.weight", &[d, d_ff]);
+        add("decoder.ffn.out.bias", &[d]);
+        add("decoder.readout.hidden.weight", &[d_ff, 2 * d]);
+        add("decoder.readout.hidden.bias", &[d_ff]);
+        add("decoder.readout.out.weight", &[self.readout(), d_ff]);
+        add("decoder.readout.out.bias", &[self.readout()]);
+        all
+    }
+}
