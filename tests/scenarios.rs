@@ -77,3 +77,44 @@ fn settings_survive_a_round_trip_through_toml() {
         assert!(again == settings, "{}", file.display());
     }
 }
+
+/// Dotted keys of everything in `value`; elements of lists share theirs.
+fn keys(value: &toml::Value, path: &str, found: &mut std::collections::BTreeSet<String>) {
+    match value {
+        toml::Value::Table(table) => {
+            for (key, inner) in table {
+                keys(inner, &format!("{path}.{key}"), found);
+            }
+        }
+        toml::Value::Array(list) if list.iter().any(toml::Value::is_table) => {
+            for inner in list {
+                keys(inner, path, found);
+            }
+        }
+        _ => {
+            found.insert(path.to_owned());
+        }
+    }
+}
+
+#[test]
+fn one_scenario_has_every_key_of_the_format() {
+    let all = |text: &str| {
+        let mut found = std::collections::BTreeSet::new();
+        keys(&text.parse::<toml::Table>().expect("TOML").into(), "", &mut found);
+        found
+    };
+    let text =
+        std::fs::read_to_string(folder().join("one_of_everything.toml")).expect("it is there");
+    let has = all(&text);
+    // It must pass, so it cannot declare that it fails; a bound has the name of a metric; a sweep would
+    // make it many flights, a golden run needs a file; those have scenarios of their own.
+    let other = ["arena.objects", "expect.fails", "bounds.*.min", "bounds.*.max"];
+    let missing: Vec<String> = all(DEFAULTS)
+        .into_iter()
+        .map(|key| key.trim_start_matches(".example").trim_start_matches('.').to_owned())
+        .filter(|key| !has.contains(&format!(".{key}")) && !other.contains(&key.as_str()))
+        .filter(|key| !key.starts_with("sweep.") && !key.starts_with("golden."))
+        .collect();
+    assert!(missing.is_empty(), "{missing:?}");
+}

@@ -1,71 +1,35 @@
 //! Algorithm 1 of the paper, one tick at a time: the file to read first.
 //!
-//! In: a [`Source`] of measurements, a [`Task`], a [`Predictor`] with its adapter, a [`Controller`]. Out: one [`Tick`] per 10 ms.
+//! In: the [`Parts`], among them a source of measurements, a task, a predictor with its adapter, a controller. Out: one [`Tick`]
+//! per 10 ms.
 //! State: what those parts hold, the values in force ([`Tuning`]) and the last command. No I/O, no clock, no thread, no
 //! unseeded randomness.
 
-use crate::control::{Controller, Input, Rows};
+mod parts;
+mod schedule;
+
+pub use parts::{Parts, Stage};
+pub use schedule::{Condition, Trigger};
+
+use crate::control::{Input, Rows};
 use crate::notation::{Coords, MAX_ROTORS, TICK_S};
-use crate::residual::{GravityModel, History, Predictor, label, lra::Adapter};
-use crate::source::{Disturbance, Source};
-use crate::task::{Task, View};
+use crate::residual::{History, Predictor, label};
+use crate::source::Disturbance;
+use crate::task::View;
 use crate::tick::{
     ActuatorCommand, Adaptation, Adapted, ControlState, Event, EventKind, Fault, Forecast,
     Measurement, Reference, Setpoint, Tick,
 };
 use crate::tuning::Tuning;
+use schedule::Schedule;
 
 /// Beyond this pitch Euler angles lose their meaning, rad.
 const PITCH_LIMIT_RAD: f64 = 80.0 * std::f64::consts::PI / 180.0;
 
-/// A stage of one tick, for whoever measures where the time goes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stage {
-    /// The source advanced: plant, sensors, estimator, inner rows.
-    Source,
-    /// Residual, history and base forecast.
-    Predict,
-    /// Task and reference.
-    Task,
-    /// Latent Residual Adapter.
-    Adapt,
-    /// Control law.
-    Control,
-    /// The tick is put together.
-    Record,
-}
-
-/// The parts a flight is made of.
-pub struct Parts {
-    /// The vehicle.
-    pub source: Box<dyn Source + Send>,
-    /// Base forecast.
-    pub predictor: Box<dyn Predictor>,
-    /// Latent Residual Adapter.
-    pub adapter: Adapter,
-    /// Outer law.
-    pub controller: Box<dyn Controller>,
-    /// Inner rows.
-    pub rows: Rows,
-    /// What to fly.
-    pub task: Box<dyn Task>,
-    /// Gravity of the vehicle without payload.
-    pub gravity: GravityModel,
-    /// Values in force at the start.
-    pub tuning: Tuning,
-    /// Changes of the world by time, s; sorted by the flight.
-    pub schedule: Vec<(f64, Disturbance)>,
-    /// First set-point, before anything was measured.
-    pub setpoint: Setpoint,
-    /// Ticks of history a predictor may look back.
-    pub history_len: usize,
-    /// Residual, adapter and control law run every so many ticks (1: at 100 Hz).
-    pub outer_divisor: u64,
-}
-
 /// A flight in progress.
 pub struct Flight {
     parts: Parts,
+    schedule: Schedule,
     history: History,
     index: u64,
     setpoint: Setpoint,
@@ -82,8 +46,9 @@ pub struct Flight {
 impl Flight {
     /// A flight from its parts, at tick 0.
     pub fn new(mut parts: Parts) -> Self {
-        parts.schedule.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let timed = std::mem::take(&mut parts.schedule);
         Self {
+            schedule: Schedule::new(timed, std::mem::take(&mut parts.triggers)),
             history: History::new(parts.history_len),
             index: 0,
             setpoint: parts.setpoint,
@@ -102,6 +67,11 @@ impl Flight {
         }
     }
 
+    /// The same with its first tick numbered `index`: a flight that is looked at from its middle on.
+    pub fn starting_at(parts: Parts, index: u64) -> Self {
+        Self { index, ..Self::new(parts) }
+    }
+
     /// The values in force.
     pub fn tuning(&self) -> &Tuning {
         &self.parts.tuning
@@ -114,8 +84,23 @@ impl Flight {
 
     /// Changes the world, between ticks.
     pub fn disturb(&mut self, disturbance: &Disturbance) {
-        self.notes.push(Event::new(EventKind::Disturbance, describe(disturbance)));
+        self.notes.push(Event::new(EventKind::Disturbance, disturbance.sentence()));
+        self.prolong(disturbance);
+    }
+
+    /// Changes the world without an event: a disturbance that was noted goes on.
+    pub fn prolong(&mut self, disturbance: &Disturbance) {
         self.parts.source.disturb(disturbance);
+    }
+
+    /// Eigenvalues of the adapter's covariance, largest first.
+    pub fn covariance_spectrum(&self) -> Vec<f64> {
+        self.parts.adapter.spectrum()
+    }
+
+    /// What predicts.
+    pub fn predictor(&self) -> &dyn Predictor {
+        self.parts.predictor.as_ref()
     }
 
     /// Puts an event on the next tick.
@@ -135,7 +120,10 @@ impl Flight {
 
     /// One control period; `done` is told as each stage ends.
     pub fn tick_with(&mut self, done: &mut dyn FnMut(Stage)) -> Tick {
-        self.apply_schedule();
+        let now_s = self.index as f64 * TICK_S;
+        while let Some(disturbance) = self.schedule.next(now_s) {
+            self.disturb(&disturbance);
+        }
         // Line 2: measure. The inner rows run inside.
         let mut inner = Recording { rows: &mut self.parts.rows, last: self.actuators };
         let measured = self.parts.source.advance(&self.setpoint, &mut inner);
@@ -157,6 +145,7 @@ impl Flight {
         };
         self.outer = Some(outer.clone());
         let tick = self.record(measurement, outer, step);
+        self.schedule.watch(&tick);
         done(Stage::Record);
         tick
     }
@@ -200,14 +189,6 @@ impl Flight {
         self.accept(&setpoint);
         done(Stage::Control);
         Outer { residual, forecast, adapted, control }
-    }
-
-    fn apply_schedule(&mut self) {
-        let now_s = self.index as f64 * TICK_S;
-        while self.parts.schedule.first().is_some_and(|(at_s, _)| *at_s <= now_s) {
-            let (_, disturbance) = self.parts.schedule.remove(0);
-            self.disturb(&disturbance);
-        }
     }
 
     /// A non-finite measurement is replaced by the last good one and becomes a fault.
@@ -263,7 +244,7 @@ impl Flight {
     fn forecast(&mut self, nominal_gravity: &Coords) -> Forecast {
         let forecast = self.parts.predictor.predict(&self.history);
         let finite = forecast.base.iter().all(|r| r.iter().all(|x| x.is_finite()))
-            && forecast.regime.iter().all(|x| x.is_finite());
+            && forecast.regime.iter().chain(&forecast.attention).all(|x| x.is_finite());
         if finite && !forecast.base.is_empty() {
             if self.fault == Some(Fault::NonFinitePrediction) {
                 self.set_fault(None);
@@ -276,6 +257,7 @@ impl Flight {
         Forecast {
             base: vec![*nominal_gravity; forecast.base.len().max(1)],
             regime: vec![0.0; forecast.regime.len()],
+            attention: Vec::new(),
         }
     }
 
@@ -378,20 +360,4 @@ const FNV_PRIME: u64 = 0x0100_0000_01b3;
 
 fn fnv(hash: u64, bits: u64) -> u64 {
     bits.to_le_bytes().iter().fold(hash, |h, byte| (h ^ u64::from(*byte)).wrapping_mul(FNV_PRIME))
-}
-
-fn describe(disturbance: &Disturbance) -> String {
-    match disturbance {
-        Disturbance::PayloadMass { kg } => format!("payload is now {:.0} g", kg * 1e3),
-        Disturbance::Wind { velocity_m_s: v } => {
-            format!("wind is now [{:.1} {:.1} {:.1}] m/s", v[0], v[1], v[2])
-        }
-        Disturbance::Push { force_n: f, duration_s } => {
-            format!("push of [{:.1} {:.1} {:.1}] N for {duration_s:.2} s", f[0], f[1], f[2])
-        }
-        Disturbance::DropPayload => "payload dropped".to_owned(),
-        Disturbance::Effect { name, on } => {
-            format!("{name} switched {}", if *on { "on" } else { "off" })
-        }
-    }
 }

@@ -8,6 +8,7 @@ mod arena;
 pub mod articulation;
 mod convert;
 mod estimator;
+mod failures;
 mod gripper;
 mod rotors;
 mod sensors;

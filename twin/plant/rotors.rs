@@ -58,6 +58,8 @@ pub(super) struct Rotors {
     pub(super) settings: RotorSettings,
     real: Drive,
     modelled: Drive,
+    /// Thrust of each rotor per thrust of a healthy one.
+    pub(super) efficiency: PerRotor,
     /// True thrust before aerodynamics, N.
     pub(super) thrust_n: PerRotor,
     /// Thrust as the loop models it, N.
@@ -85,14 +87,16 @@ impl Rotors {
             settings: *settings,
             real: drive(settings.lag_s),
             modelled: drive(settings.modelled_lag_s),
+            efficiency: [1.0; MAX_ROTORS],
             thrust_n: command_n,
             modelled_thrust_n: command_n,
         }
     }
 
     pub(super) fn step(&mut self, command_n: PerRotor, dt_s: f64) {
-        self.thrust_n =
+        let healthy_n =
             self.real.step(command_n, &self.settings, dt_s).map(|n| n * self.settings.thrust_scale);
+        self.thrust_n = std::array::from_fn(|rotor| healthy_n[rotor] * self.efficiency[rotor]);
         self.modelled_thrust_n = self.modelled.step(command_n, &self.settings, dt_s);
     }
 

@@ -7,6 +7,7 @@ use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 
+use super::failures::SensorFailures;
 use super::settings::SensorSettings;
 use crate::notation::{GRAVITY_M_S2, PerRotor};
 use crate::tick::PayloadReading;
@@ -46,6 +47,8 @@ pub(super) struct Imu {
 /// Sensors with their biases and the samples under way.
 #[derive(Clone, Debug)]
 pub(super) struct Sensors {
+    /// What is wrong with them.
+    pub(super) failures: SensorFailures,
     settings: SensorSettings,
     rng: Pcg64,
     accelerometer_bias: Vector3<f64>,
@@ -56,6 +59,7 @@ pub(super) struct Sensors {
     mocap_phase: f64,
     under_way: VecDeque<(u64, Mocap)>,
     encoder_phase: f64,
+    joint: Option<Vector2<f64>>,
     joint_dot: Vector2<f64>,
     step: u64,
     dt_s: f64,
@@ -70,11 +74,13 @@ impl Sensors {
             gyro_bias: vector(settings.gyro_bias_rad_s),
             payload_offset: vector(settings.payload_calibration_m),
             vibration_phase: std::array::from_fn(|i| 0.7 * i as f64),
+            failures: SensorFailures::default(),
             settings: *settings,
             last_velocity: None,
             mocap_phase: 1.0,
             under_way: VecDeque::new(),
             encoder_phase: 1.0,
+            joint: None,
             joint_dot: Vector2::zeros(),
             step: 0,
             dt_s,
@@ -100,8 +106,9 @@ impl Sensors {
             accelerometer: state.rotation.transpose() * acceleration
                 + vibration
                 + noise
-                + self.accelerometer_bias,
-            gyro: state.omega + gyro_noise + self.gyro_bias,
+                + self.accelerometer_bias
+                + self.failures.accelerometer_bias,
+            gyro: state.omega + gyro_noise + self.gyro_bias + self.failures.gyro_bias,
         }
     }
 
@@ -127,7 +134,9 @@ impl Sensors {
             self.mocap_phase -= 1.0;
             let age_steps = (s.mocap_latency_s / self.dt_s).round() as usize;
             let sample = self.sample_mocap(state, age_steps);
-            self.under_way.push_back((self.step + age_steps as u64, sample));
+            if !self.failures.mocap_lost {
+                self.under_way.push_back((self.step + age_steps as u64, sample));
+            }
         }
         match self.under_way.front() {
             Some((due, _)) if *due <= self.step => {
@@ -141,7 +150,7 @@ impl Sensors {
         let s = self.settings;
         let mut noise = |std: f64| Vector3::from_fn(|_, _| std * normal(&mut self.rng));
         let tilt = nalgebra::Rotation3::new(noise(s.mocap_noise_rad));
-        let position = state.position + noise(s.mocap_noise_m);
+        let position = state.position + noise(s.mocap_noise_m) + self.failures.mocap_offset;
         let payload = state.payload.map(|p| PayloadReading {
             position_in_world: p.position_in_world + self.payload_offset + noise(s.mocap_noise_m),
             yaw_rad: p.yaw_rad,
@@ -155,12 +164,19 @@ impl Sensors {
         let quantise = |x: f64, step: f64| (x / step).round() * step;
         let angle_step = std::f64::consts::TAU / s.encoder_counts;
         self.encoder_phase += s.joint_velocity_hz * self.dt_s;
-        let fresh = self.encoder_phase >= 1.0;
-        if fresh {
+        let due = self.encoder_phase >= 1.0;
+        if due {
             self.encoder_phase -= 1.0;
+        }
+        if let (Some(joint), true) = (self.joint, self.failures.encoders_dead) {
+            return (joint, self.joint_dot, false);
+        }
+        if due {
             self.joint_dot = state.joint_dot.map(|v| quantise(v, s.joint_velocity_step_rad_s));
         }
-        (state.joint.map(|q| quantise(q, angle_step)), self.joint_dot, fresh)
+        let joint = state.joint.map(|q| quantise(q, angle_step));
+        self.joint = Some(joint);
+        (joint, self.joint_dot, due)
     }
 }
 

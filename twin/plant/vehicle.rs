@@ -9,6 +9,7 @@ use super::aero::{Aero, Flow, wake_force};
 use super::arena::Arena;
 use super::convert::{from_vector, rotation_matrix, to_vector};
 use super::estimator::{Estimator, stack};
+use super::failures::Failures;
 use super::gripper::Gripper;
 use super::rotors::{Delay, Rotors};
 use super::sensors::{Sensors, State};
@@ -57,9 +58,10 @@ pub struct SimulatedVehicle {
     pub(super) arm: Vec<usize>,
     pub(super) rotors: Rotors,
     pub(super) wind_now: Vector3<f64>,
+    pub(super) failures: Failures,
+    pub(super) sensors: Sensors,
     aero: Aero,
     wind: Wind,
-    sensors: Sensors,
     estimator: Estimator,
     payload_seen: Option<PayloadReading>,
     rng: Pcg64,
@@ -113,6 +115,7 @@ impl SimulatedVehicle {
             aero: Aero::new(&settings.aero),
             wind: Wind::new(&settings.wind),
             wind_now: Vector3::zeros(),
+            failures: Failures::default(),
             sensors: Sensors::new(&settings.sensors, seed, STEP_S),
             joint_delay: Delay::new(vehicle.joint_delay_s, STEP_S, Vector2::zeros()),
             command: ActuatorCommand {
@@ -176,7 +179,8 @@ impl SimulatedVehicle {
     /// One 1 ms step of the world under the command in force.
     fn step_world(&mut self, state: &State, setpoint: &Setpoint) {
         let t_s = self.step as f64 * STEP_S;
-        self.wind_now = self.wind.step(t_s, state.velocity.norm(), STEP_S, &mut self.rng);
+        let wind = self.wind.step(t_s, state.velocity.norm(), STEP_S, &mut self.rng);
+        self.wind_now = wind + self.failures.gust;
         self.rotors.step(self.command.rotor_thrust_n, STEP_S);
         let torque = self.joint_delay.step(self.command.joint_torque_n_m);
         self.articulation.clear_forces(&mut self.world);
@@ -272,7 +276,7 @@ impl Source for SimulatedVehicle {
         let steps = (TICK_S / STEP_S).round() as usize;
         let mut state = self.state();
         for _ in 0..steps {
-            if self.step.is_multiple_of(self.inner_steps) {
+            if self.step.is_multiple_of(self.inner_steps) && !self.failures.stalled {
                 let (chi, chi_dot) = (self.estimator.chi(), self.estimator.chi_dot());
                 let view = InnerState {
                     eta: chi.fixed_rows::<3>(3).into_owned(),
@@ -315,19 +319,9 @@ impl Source for SimulatedVehicle {
             Disturbance::Push { force_n, duration_s } => {
                 self.push = Some((Vector3::from(*force_n), *duration_s));
             }
-            Disturbance::DropPayload => {
-                // The cube turns slippery: it leaves the closed fingers by its weight.
-                let colliders = self
-                    .gripper
-                    .iter()
-                    .flat_map(|g| g.pads.clone())
-                    .chain(self.arena.payload_collider);
-                for handle in colliders {
-                    if let Some(collider) = self.world.colliders.get_mut(handle) {
-                        collider.set_friction(0.0);
-                    }
-                }
-            }
+            // The cube turns slippery: it leaves the closed fingers by its weight.
+            Disturbance::DropPayload => self.set_grip_friction(0.0),
+            Disturbance::Failure { failure, on } => self.fail(failure, *on),
             Disturbance::Effect { name, on } => {
                 self.aero.switch(name, *on);
             }

@@ -1,22 +1,28 @@
 //! From settings to the parts of a flight.
 
+use std::path::PathBuf;
+
 use nalgebra::{Vector2, Vector3};
 
 use super::settings::{
-    ControllerKind, PathSettings, PathShape, PredictorKind, Settings, StartKind, TaskKind, Units,
+    ControllerKind, ExcitationSettings, PathSettings, PathShape, PredictorKind, Settings,
+    StartKind, TaskKind, Units,
 };
-use super::{BuildError, Scenario};
-use crate::control::{Adaptive, Allocation, Controller, Gains, Pid, Preset, Rotor, Rows};
+use super::{BuildError, Scenario, failures, trained};
+use crate::control::{
+    Adaptive, Allocation, Controller, Excited, Gains, L1, L1Settings, Multisine, Pid, Preset,
+    Rotor, Rows,
+};
 use crate::flight::Parts;
 use crate::model::{Arm, Packages, Robot, Statics};
 use crate::notation::{Coords, GRAVITY_M_S2};
 use crate::plant::{SimulatedVehicle, Start};
 use crate::residual::{
-    Bias, Gravity, GravityModel, NOMINAL_SCALE, None as NoPrediction, Persistence, Predictor,
+    Bias, Gravity, GravityModel, None as NoPrediction, Persistence, Predictor, PredictorInfo,
     RandomFeatures, lra,
 };
 use crate::task::path::Curve;
-use crate::task::{FollowPath, Hover, Mission, PickPlace, Task};
+use crate::task::{Excitation, FollowPath, Hover, Mission, PickPlace, Region, Task};
 use crate::tick::{GripperCommand, Setpoint};
 use crate::tuning::{Tuning, TuningError};
 
@@ -37,10 +43,19 @@ pub(super) struct Models {
 pub(super) fn models(scenario: &Scenario) -> Result<Models, BuildError> {
     let settings = &scenario.settings;
     let folder = scenario.folder();
-    let packages = settings
-        .vehicle
-        .packages
-        .iter()
+    let packages = Packages(packages(scenario)?);
+    let robot = Robot::load(&folder.join(&settings.vehicle.urdf), &packages)?;
+    let load =
+        |object: &crate::plant::ArenaObject| Robot::load(&folder.join(&object.urdf), &packages);
+    let objects = settings.arena.objects.iter().map(load).collect::<Result<Vec<_>, _>>()?;
+    Ok(Models { robot, objects })
+}
+
+/// Folders that `package://` addresses of the model files name.
+pub(super) fn packages(scenario: &Scenario) -> Result<Vec<(String, PathBuf)>, BuildError> {
+    let pairs = scenario.settings.vehicle.packages.iter();
+    let folder = scenario.folder();
+    pairs
         .map(|pair| match pair.split_once('=') {
             Some((name, path)) if !name.is_empty() && !path.is_empty() => {
                 Ok((name.to_owned(), folder.join(path)))
@@ -50,13 +65,7 @@ pub(super) fn models(scenario: &Scenario) -> Result<Models, BuildError> {
                 reason: format!("found {pair:?}, expected \"name=folder\""),
             }),
         })
-        .collect::<Result<Vec<_>, _>>()?;
-    let packages = Packages(packages);
-    let robot = Robot::load(&folder.join(&settings.vehicle.urdf), &packages)?;
-    let load =
-        |object: &crate::plant::ArenaObject| Robot::load(&folder.join(&object.urdf), &packages);
-    let objects = settings.arena.objects.iter().map(load).collect::<Result<Vec<_>, _>>()?;
-    Ok(Models { robot, objects })
+        .collect()
 }
 
 /// The parts of a scenario's flight.
@@ -71,19 +80,19 @@ pub(super) fn parts(scenario: &Scenario) -> Result<Parts, BuildError> {
         let statics = Statics::new(&robot, &arm_joints);
         Box::new(move |chi: &Coords| statics.gravity(chi))
     };
-    let predictor = predictor(settings, &gravity);
+    let predictor = failures::predictor(settings, predictor(scenario, &tuning, &gravity)?);
     let scale = match settings.predictor.units {
-        Units::ZScore => Coords::from(NOMINAL_SCALE),
+        Units::ZScore => predictor.info().scale,
         Units::Physical => Coords::repeat(1.0),
     };
+    let history_len = predictor.history_len().max(HISTORY_LEN);
     let adapter = lra::Adapter::new(predictor.regime_len(), scale, &tuning.adapter);
     let weight_n = robot.total_mass_kg() * GRAVITY_M_S2;
     let setpoint = first_setpoint(&tuning.gains, &start, weight_n);
     let rows = rows(settings, &robot, &arm_joints)?;
-    let controller: Box<dyn Controller> = match settings.controller.kind {
-        ControllerKind::Adaptive => Box::new(Adaptive::default()),
-        ControllerKind::Pid => Box::new(Pid::default()),
-    };
+    let controller = controller(settings);
+    let (mut schedule, triggers) = failures::schedule(settings)?;
+    schedule.extend(settings.disturbances.iter().map(|d| (d.at_s, d.disturbance.clone())));
     let gravity = gravity();
     let task = task(settings, arm);
     let source = SimulatedVehicle::new(robot, &objects, settings.plant(), &start, settings.seed)?;
@@ -96,9 +105,10 @@ pub(super) fn parts(scenario: &Scenario) -> Result<Parts, BuildError> {
         task,
         gravity,
         tuning,
-        schedule: settings.disturbances.iter().map(|d| (d.at_s, d.disturbance.clone())).collect(),
+        schedule,
+        triggers,
         setpoint,
-        history_len: HISTORY_LEN,
+        history_len,
         outer_divisor: u64::from(settings.controller.outer_divisor.max(1)),
     })
 }
@@ -149,7 +159,9 @@ fn start(settings: &Settings, arm: &Arm) -> Result<Start, BuildError> {
     }
     let position = Vector3::from(settings.task.start_position_m);
     let joints = match settings.task.kind {
-        TaskKind::PickPlace | TaskKind::Path => joints(settings, settings.task.transit_joints_rad),
+        TaskKind::PickPlace | TaskKind::Path | TaskKind::Excitation => {
+            joints(settings, settings.task.transit_joints_rad)
+        }
         TaskKind::Hover => joints(settings, settings.task.grasp_joints_rad),
     };
     let grasped = (settings.task.start == StartKind::Grasped)
@@ -157,8 +169,22 @@ fn start(settings: &Settings, arm: &Arm) -> Result<Start, BuildError> {
     Ok(Start { position, joints, grasped, inner_steps: steps as u64 })
 }
 
-fn predictor(settings: &Settings, gravity: &dyn Fn() -> GravityModel) -> Box<dyn Predictor> {
-    match settings.predictor.kind {
+/// What is known of the predictor before it predicts; only weights know more than the default.
+pub(super) fn predictor_info(scenario: &Scenario) -> Result<PredictorInfo, BuildError> {
+    match scenario.settings.predictor.kind {
+        PredictorKind::Fdt => Ok(trained::fdt(scenario, &tuning(&scenario.settings)?)?.info()),
+        _ => Ok(PredictorInfo::default()),
+    }
+}
+
+fn predictor(
+    scenario: &Scenario,
+    tuning: &Tuning,
+    gravity: &dyn Fn() -> GravityModel,
+) -> Result<Box<dyn Predictor>, BuildError> {
+    let settings = &scenario.settings;
+    Ok(match settings.predictor.kind {
+        PredictorKind::Fdt => Box::new(trained::fdt(scenario, tuning)?),
         PredictorKind::None => Box::new(NoPrediction),
         PredictorKind::Gravity => Box::new(Gravity::new(gravity())),
         PredictorKind::Persistence => Box::new(Persistence),
@@ -168,7 +194,24 @@ fn predictor(settings: &Settings, gravity: &dyn Fn() -> GravityModel) -> Box<dyn
             settings.predictor.features,
             settings.predictor.seed,
         )),
+    })
+}
+
+fn controller(settings: &Settings) -> Box<dyn Controller> {
+    let law: Box<dyn Controller> = match settings.controller.kind {
+        ControllerKind::Adaptive => Box::new(Adaptive::default()),
+        ControllerKind::Pid => Box::new(Pid::default()),
+        ControllerKind::L1 => Box::new(L1::new(L1Settings {
+            pole_per_s: settings.controller.l1.pole_per_s,
+            cutoff_rad_s: settings.controller.l1.cutoff_rad_s,
+        })),
+    };
+    let m = &settings.controller.multisine;
+    if m.tones == 0 {
+        return law;
     }
+    let multisine = Multisine::new(m.tones, m.force_hz, m.moment_hz, m.rms, settings.seed);
+    Box::new(Excited::new(law, multisine))
 }
 
 /// The values a preset stands for; scenario overrides not applied.
@@ -264,6 +307,17 @@ fn curve(path: &PathSettings) -> Curve {
     }
 }
 
+fn region(settings: &Settings) -> Region {
+    let e: &ExcitationSettings = &settings.task.excitation;
+    Region {
+        position_m: [e.low_m.into(), e.high_m.into()],
+        joints_rad: [joints(settings, e.joints_low_rad), joints(settings, e.joints_high_rad)],
+        yaw_rad: e.yaw_rad,
+        mean_speed_m_s: e.mean_speed_m_s,
+        acceleration_m_s2: e.acceleration_m_s2,
+    }
+}
+
 fn task(settings: &Settings, arm: Arm) -> Box<dyn Task> {
     let task = &settings.task;
     let position = Vector3::from(task.start_position_m);
@@ -275,6 +329,13 @@ fn task(settings: &Settings, arm: Arm) -> Box<dyn Task> {
     };
     match task.kind {
         TaskKind::Hover => Box::new(Hover::new(position, grasp_joints, task.duration_s, gripper)),
+        TaskKind::Excitation => Box::new(Excitation::new(
+            (position, transit_joints),
+            region(settings),
+            task.duration_s,
+            gripper,
+            settings.seed,
+        )),
         TaskKind::Path => Box::new(FollowPath::new(
             position,
             curve(&task.path),

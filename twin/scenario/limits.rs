@@ -50,6 +50,15 @@ const LIMITS: &[Limit] = &[
     limit("task.*_m_s", 0.0, 5.0, "m/s"),
     limit("task.*_m", -100.0, 100.0, "m"),
     limit("task.*_s", 0.0, 3600.0, "s"),
+    limit("task.excitation.*_m_s", 0.05, 3.0, "m/s"),
+    limit("task.excitation.*_m_s2", 0.05, 10.0, "m/s²"),
+    limit("task.excitation.*_m", -5.0, 5.0, "m"),
+    limit("task.excitation.*_rad", -3.2, 3.2, "rad"),
+    limit("controller.l1.pole_per_s", 0.1, 90.0, "1/s"),
+    limit("controller.l1.cutoff_rad_s", 0.05, 200.0, "rad/s"),
+    limit("controller.multisine.tones", 0.0, 100.0, ""),
+    limit("controller.multisine.*_hz", 0.01, 50.0, "Hz"),
+    limit("controller.multisine.rms", 0.0, 20.0, ""),
     limit("aero.rotor_drag_n_s_m", 0.0, 10.0, "N s/m"),
     limit("aero.body_drag_n_s2_m2", 0.0, 10.0, "N s²/m²"),
     limit("aero.ground_effect_radius_m", 0.0, 5.0, "m"),
@@ -69,8 +78,22 @@ const LIMITS: &[Limit] = &[
     limit("sensors.encoder_counts", 1.0, 1e9, ""),
     limit("contact.iterations", 1.0, 64.0, ""),
     limit("contact.*frequency_hz", 1.0, 10_000.0, "Hz"),
-    limit("faults.*.at_s", 0.0, 3600.0, "s"),
     limit("faults.at_s", 0.0, 3600.0, "s"),
+    limit("faults.duration_s", 0.001, 3600.0, "s"),
+    limit("faults.offset_m", -100.0, 100.0, "m"),
+    limit("faults.accelerometer_m_s2", -50.0, 50.0, "m/s²"),
+    limit("faults.gyro_rad_s", -5.0, 5.0, "rad/s"),
+    limit("faults.rotor", 0.0, 64.0, ""),
+    limit("faults.factor", 0.0, 1.5, ""),
+    limit("faults.friction", 0.0, 2.0, ""),
+    limit("faults.velocity_m_s", -30.0, 30.0, "m/s"),
+    limit("checks.quantile", 0.0, 1.0, ""),
+    limit("checks.*_s", 0.0, 3600.0, "s"),
+    limit("golden.every_s", 0.01, 60.0, "s"),
+    limit("golden.tolerance.*", 1e-6, 1e9, ""),
+    limit("sweep.seed", 0.0, MAX_EXACT, ""),
+    limit("sweep.min_success", 0.0, 1.0, ""),
+    limit("expect.events.*_s", 0.0, 3600.0, "s"),
 ];
 
 /// A unit, a slip and the factor that turns the slip into the unit.
@@ -109,7 +132,8 @@ fn rounded(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(value)
 }
 
-fn range(path: &[String]) -> Option<(f64, f64, &'static str)> {
+/// Smallest and largest value of the number at `path`, and its unit.
+pub(super) fn range(path: &[String]) -> Option<(f64, f64, &'static str)> {
     if path.first().is_some_and(|first| first == "gains") {
         return gain_range(&path[1..]);
     }

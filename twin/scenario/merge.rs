@@ -51,6 +51,11 @@ impl Schema {
         Schema { root, leaves }
     }
 
+    /// Every key with a value of its type.
+    pub(super) fn into_root(self) -> Entry {
+        self.root
+    }
+
     fn nearest(&self, path: &[String]) -> String {
         let wanted = dotted(path);
         let name = path.last().map_or("", String::as_str);

@@ -1,28 +1,47 @@
 //! One TOML file, one flight, one verdict.
 
+pub mod acceptance;
 mod assemble;
+pub mod cache;
+pub mod checks;
+pub mod collect;
 mod document;
+mod failures;
 pub mod file;
+pub mod golden;
+mod json_schema;
 mod limits;
 mod merge;
 pub mod metrics;
+mod parallel;
 pub mod run;
 pub mod scene;
 pub mod settings;
+pub mod shadow;
+mod shadow_score;
+pub mod sweep;
 pub mod table;
+mod trained;
 pub mod verdict;
 
 use std::path::{Path, PathBuf};
 
+pub use checks::Broken;
 pub use file::ScenarioError;
-pub use run::{Report, fly};
+pub use json_schema::json_schema;
+pub use parallel::side_by_side;
+pub use run::{Assessor, Report, fly};
+pub use scene::ActuatorLimits;
 pub use settings::Settings;
+pub use shadow::{Shadow, ShadowReport, shadow};
 pub use verdict::{Judge, Verdict};
 
 pub use crate::control::Preset;
 use crate::flight::{Flight, Parts};
 use crate::mirror::RecordingInfo;
 use crate::mirror::scene::Scene;
+use crate::residual::PredictorInfo;
+use crate::residual::weights::WeightsError;
 use crate::tuning::Tuning;
 
 /// Every key of a scenario with its default; also the schema.
@@ -37,6 +56,17 @@ pub struct Scenario {
     pub file: PathBuf,
     /// What it says.
     pub settings: Settings,
+}
+
+/// Where the files of a scenario's vehicle lie, and what its arm's joints are called.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct VehicleFiles {
+    /// URDF.
+    pub urdf: PathBuf,
+    /// Name and folder of the packages that its meshes are in.
+    pub packages: Vec<(String, PathBuf)>,
+    /// Names of the arm's joints.
+    pub joints: Vec<String>,
 }
 
 impl Scenario {
@@ -58,7 +88,26 @@ impl Scenario {
             key: "gains".into(),
             reason: error.to_string(),
         })?;
+        checks::validate(&scenario.settings).map_err(|error| ScenarioError::Value {
+            place: file.display().to_string(),
+            key: error.key,
+            reason: error.reason,
+        })?;
         Ok(scenario)
+    }
+
+    /// What stands for a scenario while the recording `file` is mirrored: the defaults, of which nothing flies.
+    ///
+    /// # Errors
+    /// [`BuildError`] if the defaults cannot be read.
+    pub fn of_recording(name: &str, file: &Path) -> Result<Self, BuildError> {
+        let mut settings =
+            file::read_text::<Settings>("", file, DEFAULTS, &[]).map_err(|error| {
+                BuildError::Unreadable { file: "defaults".into(), reason: error.to_string() }
+            })?;
+        // What the vehicle carries, the recording does not say.
+        settings.payload.mass_kg = 0.0;
+        Ok(Self { name: name.to_owned(), file: file.to_owned(), settings })
     }
 
     /// The flight at its first tick.
@@ -98,6 +147,14 @@ impl Scenario {
         scene::scene(self)
     }
 
+    /// What the vehicle's actuators can do.
+    ///
+    /// # Errors
+    /// [`BuildError`] if a model file is not usable.
+    pub fn actuator_limits(&self) -> Result<ActuatorLimits, BuildError> {
+        scene::actuator_limits(self)
+    }
+
     /// Text of the vehicle's URDF.
     ///
     /// # Errors
@@ -107,6 +164,26 @@ impl Scenario {
         std::fs::read_to_string(&path).map_err(|error| BuildError::Unreadable {
             file: path.display().to_string(),
             reason: error.to_string(),
+        })
+    }
+
+    /// What is known of the predictor before it predicts.
+    ///
+    /// # Errors
+    /// [`BuildError`] if its weights are not usable.
+    pub fn predictor_info(&self) -> Result<PredictorInfo, BuildError> {
+        assemble::predictor_info(self)
+    }
+
+    /// Where the files of the vehicle lie.
+    ///
+    /// # Errors
+    /// [`BuildError::Unfit`] if a package has no name or no folder.
+    pub fn vehicle_files(&self) -> Result<VehicleFiles, BuildError> {
+        Ok(VehicleFiles {
+            urdf: self.folder().join(&self.settings.vehicle.urdf),
+            packages: assemble::packages(self)?,
+            joints: self.settings.vehicle.arm_joints.clone(),
         })
     }
 
@@ -127,6 +204,11 @@ impl Scenario {
                 .map_err(|e| unwritable("scenario")(&e))?,
             seed: self.settings.seed,
             gains_json: serde_json::to_string(tuning).map_err(|e| unwritable("gains")(&e))?,
+            limits_json: serde_json::to_string(&self.actuator_limits()?)
+                .map_err(|e| unwritable("vehicle")(&e))?,
+            predictor_json: serde_json::to_string(&self.predictor_info()?)
+                .map_err(|e| unwritable("predictor")(&e))?,
+            kernel: self.predictor_info()?.kernel,
             urdf: self.urdf_text()?,
             scene: self.scene()?,
             joint_names: self.settings.vehicle.arm_joints.clone(),
@@ -151,6 +233,14 @@ pub enum BuildError {
     /// Gains.
     #[error(transparent)]
     Tuning(#[from] crate::tuning::TuningError),
+    /// Trained weights.
+    #[error("predictor.weights: {file}: {error}")]
+    Weights {
+        /// File.
+        file: String,
+        /// What is wrong with it.
+        error: WeightsError,
+    },
     /// A file cannot be read.
     #[error("{file}: {reason}")]
     Unreadable {

@@ -4,9 +4,12 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::checks::{Broken, Checks, range};
+use super::golden::GoldenCheck;
 use super::metrics::Metrics;
-use super::settings::TaskKind;
+use super::settings::{Settings, TaskKind};
 use super::{BuildError, Judge, Scenario, Verdict};
+use crate::residual::PredictorInfo;
 use crate::tick::{Event, Tick};
 
 /// What a flight came to.
@@ -26,12 +29,22 @@ pub struct Report {
     pub real_time_factor: Option<f64>,
     /// Equal for equal flights.
     pub state_hash: String,
-    /// Metrics by name.
+    /// Arithmetic of the predictor's network: flights are equal only where this is equal too.
+    #[serde(default)]
+    pub kernel: String,
+    /// Metrics by name; NaN, `null` in JSON, if unknown.
+    #[serde(deserialize_with = "numbers")]
     pub metrics: BTreeMap<String, f64>,
-    /// Bounds of the scenario that do not hold, a sentence each.
-    pub broken_bounds: Vec<String>,
-    /// The verdict is the expected one and every bound holds.
+    /// What the scenario demands and the flight did not keep.
+    pub broken: Vec<Broken>,
+    /// Nothing is broken; or, where the scenario declares what fails, that is broken.
     pub passed: bool,
+}
+
+/// JSON has no NaN: what is not finite was written as `null`.
+fn numbers<'de, D: serde::Deserializer<'de>>(from: D) -> Result<BTreeMap<String, f64>, D::Error> {
+    let read = BTreeMap::<String, Option<f64>>::deserialize(from)?;
+    Ok(read.into_iter().map(|(name, value)| (name, value.unwrap_or(f64::NAN))).collect())
 }
 
 /// Flies `scenario` to its end; `watch` sees every tick.
@@ -40,66 +53,127 @@ pub struct Report {
 /// [`BuildError`] if the flight cannot be put together.
 pub fn fly(scenario: &Scenario, watch: &mut dyn FnMut(&Tick)) -> Result<Report, BuildError> {
     let mut flight = scenario.build()?;
-    let mut judge = Judge::new(&scenario.settings);
-    let mut metrics = Metrics::default();
+    let mut assessor = Assessor::new(scenario);
     loop {
         let tick = flight.tick();
-        metrics.add(&tick);
+        let end = assessor.add(&tick);
         watch(&tick);
-        if let Some((verdict, reason)) = judge.watch(&tick) {
-            return Ok(report(
-                scenario,
-                metrics,
-                verdict,
-                reason,
-                tick.measurement.t_s,
-                flight.state_hash(),
-            ));
+        if let Some(end) = end {
+            let kernel = flight.predictor().info().kernel;
+            return Ok(Report { kernel, ..assessor.finish(end, flight.state_hash()) });
         }
     }
 }
 
-fn report(
-    scenario: &Scenario,
+/// Watches a flight tick by tick and says at its end what it came to.
+pub struct Assessor {
+    scenario: String,
+    settings: Settings,
+    judge: Judge,
     metrics: Metrics,
-    verdict: Verdict,
-    reason: String,
+    checks: Checks,
+    golden: Option<GoldenCheck>,
     flight_s: f64,
-    hash: u64,
-) -> Report {
-    let settings = &scenario.settings;
-    let places = settings.task.kind == TaskKind::PickPlace;
-    let metrics = metrics.finish(places.then(|| settings.task.place_position_m.into()));
-    let broken_bounds = broken_bounds(settings, &metrics);
-    Report {
-        scenario: scenario.name.clone(),
-        seed: settings.seed,
-        passed: verdict == settings.expect.verdict && broken_bounds.is_empty(),
-        verdict,
-        reason,
-        flight_s,
-        real_time_factor: None,
-        state_hash: format!("{hash:016x}"),
-        metrics,
-        broken_bounds,
+}
+
+impl Assessor {
+    /// For a flight of `scenario`.
+    pub fn new(scenario: &Scenario) -> Self {
+        let settings = scenario.settings.clone();
+        Self {
+            scenario: scenario.name.clone(),
+            judge: Judge::new(&settings),
+            metrics: Metrics::default(),
+            checks: Checks::new(&settings),
+            golden: settings
+                .golden
+                .as_ref()
+                .map(|golden| GoldenCheck::new(golden, scenario.folder())),
+            flight_s: 0.0,
+            settings,
+        }
+    }
+
+    /// Takes a tick into account; the verdict with its sentence once the flight is over.
+    pub fn add(&mut self, tick: &Tick) -> Option<(Verdict, String)> {
+        self.metrics.add(tick);
+        self.checks.add(tick);
+        if let Some(golden) = &mut self.golden {
+            golden.add(tick);
+        }
+        self.flight_s = tick.measurement.t_s;
+        self.judge.watch(tick)
+    }
+
+    /// The report of a flight that ended so, with its state hash.
+    pub fn finish(self, (verdict, reason): (Verdict, String), hash: u64) -> Report {
+        let Self { scenario, settings, metrics, checks, golden, flight_s, .. } = self;
+        let places = settings.task.kind == TaskKind::PickPlace;
+        let metrics = metrics.finish(places.then(|| settings.task.place_position_m.into()));
+        let mut broken: Vec<Broken> =
+            unexpected(settings.expect.verdict, verdict, &reason, flight_s).into_iter().collect();
+        broken.extend(checks.finish());
+        broken.extend(golden.and_then(GoldenCheck::finish));
+        broken.extend(broken_bounds(&settings, &metrics, flight_s));
+        let passed = match &settings.expect.fails {
+            None => broken.is_empty(),
+            Some(name) => broken.iter().any(|broken| broken.name == *name),
+        };
+        Report {
+            scenario,
+            seed: settings.seed,
+            verdict,
+            reason,
+            flight_s,
+            real_time_factor: None,
+            state_hash: format!("{hash:016x}"),
+            kernel: PredictorInfo::default().kernel,
+            metrics,
+            broken,
+            passed,
+        }
     }
 }
 
-fn broken_bounds(settings: &super::Settings, metrics: &BTreeMap<String, f64>) -> Vec<String> {
-    let check = |(name, bound): (&String, &super::settings::Bound)| {
-        let Some(value) = metrics.get(name) else {
-            let known = metrics.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
-            return Some(format!("bounds.{name}: the flight has no such metric; it has {known}"));
-        };
-        let low = bound.min.is_some_and(|min| *value < min);
-        let high = bound.max.is_some_and(|max| *value > max);
-        (low || high).then(|| {
-            let text =
-                |limit: Option<f64>| limit.map_or_else(|| "..".to_owned(), |v| format!("{v}"));
-            format!("{name} is {value:.4}, allowed {} to {}", text(bound.min), text(bound.max))
-        })
-    };
-    settings.bounds.iter().filter_map(check).collect()
+fn unexpected(expected: Verdict, found: Verdict, reason: &str, at_s: f64) -> Option<Broken> {
+    (found != expected).then(|| Broken {
+        name: "verdict".to_owned(),
+        what: "verdict".to_owned(),
+        value: None,
+        found: format!("{found} ({reason})"),
+        allowed: expected.to_string(),
+        at_s,
+    })
+}
+
+/// Metrics are known when the flight is over, so that is when their bounds break.
+fn broken_bounds(
+    settings: &Settings,
+    metrics: &BTreeMap<String, f64>,
+    flight_s: f64,
+) -> Vec<Broken> {
+    let mut all = Vec::new();
+    for (name, bound) in &settings.bounds {
+        let value = metrics.get(name).copied();
+        let kept = value.is_some_and(|value| {
+            bound.min.is_none_or(|min| value >= min) && bound.max.is_none_or(|max| value <= max)
+        });
+        if !kept {
+            let known = || metrics.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
+            all.push(Broken {
+                name: name.clone(),
+                what: format!("bounds.{name}"),
+                value,
+                found: value.map_or_else(
+                    || format!("no such metric of this flight, it has {}", known()),
+                    |value| format!("{value:.4}"),
+                ),
+                allowed: range(bound.min, bound.max),
+                at_s: flight_s,
+            });
+        }
+    }
+    all
 }
 
 /// The events of a tick with their time, one line each.

@@ -1,6 +1,7 @@
 //! What the viewers draw: shapes of vehicle, arena and payload, parsed once, in the order of [`crate::tick::Truth::poses`].
 
 use nalgebra::Isometry3;
+use serde::{Deserialize, Serialize};
 
 use super::{BuildError, Scenario, assemble};
 use crate::mirror::scene::{Scene, SceneBody, SceneGroup, SceneRotor};
@@ -9,6 +10,30 @@ use crate::tick::Pose;
 
 /// Colour of the payload cube.
 const PAYLOAD_RGBA: [f32; 4] = [0.90, 0.62, 0.0, 1.0];
+
+/// What the actuators of a vehicle can do.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ActuatorLimits {
+    /// Smallest and largest thrust of a rotor, N.
+    pub rotor_thrust_n: [f64; 2],
+    /// Largest torque of the arm's joints, N m; `None` without a limit or a joint.
+    pub joint_torque_n_m: [Option<f64>; 2],
+}
+
+/// The limits of a scenario's vehicle: rotors from the scenario, joints from the URDF.
+pub(super) fn actuator_limits(scenario: &Scenario) -> Result<ActuatorLimits, BuildError> {
+    let vehicle = &scenario.settings.vehicle;
+    let robot = assemble::models(scenario)?.robot;
+    let effort = |index: usize| {
+        let name = vehicle.arm_joints.get(index)?;
+        let joint = robot.joints.iter().find(|joint| joint.name == *name)?;
+        joint.effort.is_finite().then_some(joint.effort)
+    };
+    Ok(ActuatorLimits {
+        rotor_thrust_n: [vehicle.rotor.min_thrust_n, vehicle.rotor.max_thrust_n],
+        joint_torque_n_m: [effort(0), effort(1)],
+    })
+}
 
 /// Builds the scene of a scenario.
 pub(super) fn scene(scenario: &Scenario) -> Result<Scene, BuildError> {

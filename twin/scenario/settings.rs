@@ -4,13 +4,17 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::checks::{Check, EventCheck};
+use super::golden::GoldenSettings;
+use super::sweep::Sweep;
 use super::verdict::Verdict;
 use crate::control::Preset;
+use crate::flight::Condition;
 use crate::plant::{
     AeroSettings, ArenaSettings, ContactSettings, PayloadSettings, PlantSettings, SensorSettings,
     VehicleSettings, WindSettings,
 };
-use crate::source::Disturbance;
+use crate::source::{Disturbance, Failure};
 use crate::tick::InnerLaw;
 
 /// Everything a scenario file may say.
@@ -48,9 +52,19 @@ pub struct Settings {
     /// Changes of the world by time.
     #[serde(default)]
     pub disturbances: Vec<Scheduled>,
-    /// Limits of metrics.
+    /// Failures of the vehicle's parts by time.
+    #[serde(default)]
+    pub faults: Vec<ScheduledFailure>,
+    /// Limits of metrics of the whole flight.
     #[serde(default)]
     pub bounds: BTreeMap<String, Bound>,
+    /// Limits of signals over a window.
+    #[serde(default)]
+    pub checks: Vec<Check>,
+    /// A stored flight to repeat.
+    pub golden: Option<GoldenSettings>,
+    /// The scenario flown many times with other values of some keys.
+    pub sweep: Option<Sweep>,
     /// What the scenario must end with.
     pub expect: Expect,
 }
@@ -75,10 +89,12 @@ pub struct TaskSettings {
     pub transit_joints_rad: [f64; 2],
     /// Attempts before giving up.
     pub retry_limit: u32,
-    /// Duration of a hover, s.
+    /// Duration of a hover or of an excitation, s.
     pub duration_s: f64,
     /// Transport path.
     pub path: PathSettings,
+    /// Random way-points.
+    pub excitation: ExcitationSettings,
 }
 
 /// Which task.
@@ -91,6 +107,8 @@ pub enum TaskKind {
     Hover,
     /// Fly the transport path only.
     Path,
+    /// Fly random way-points.
+    Excitation,
 }
 
 /// Where a flight begins.
@@ -127,6 +145,26 @@ pub struct PathSettings {
     pub laps: f64,
 }
 
+/// Random way-points of an excitation, drawn from the scenario's seed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ExcitationSettings {
+    /// Smallest base position, m.
+    pub low_m: [f64; 3],
+    /// Largest base position, m.
+    pub high_m: [f64; 3],
+    /// Smallest joint angles, rad.
+    pub joints_low_rad: [f64; 2],
+    /// Largest joint angles, rad.
+    pub joints_high_rad: [f64; 2],
+    /// Heading either way, rad.
+    pub yaw_rad: f64,
+    /// Slowest and fastest mean speed between two way-points, m/s.
+    pub mean_speed_m_s: [f64; 2],
+    /// Largest acceleration of the reference, m/s².
+    pub acceleration_m_s2: f64,
+}
+
 /// Shape of the transport path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -149,6 +187,12 @@ pub struct PredictorSettings {
     pub seed: u64,
     /// Unit of the innovation.
     pub units: Units,
+    /// File of trained weights, relative to the scenario file; `default` stands for those the program was built with.
+    pub weights: String,
+    /// Weights that were not accepted in closed loop fly all the same.
+    pub force: bool,
+    /// Arithmetic of a network; `auto` is the fastest of this processor.
+    pub kernel: String,
 }
 
 /// Which predictor.
@@ -165,6 +209,8 @@ pub enum PredictorKind {
     Bias,
     /// Gravity and adapted random features.
     RandomFeatures,
+    /// The Factorized Dynamics Transformer.
+    Fdt,
 }
 
 /// Unit of the innovation.
@@ -189,6 +235,34 @@ pub struct ControllerSettings {
     pub outer_divisor: u32,
     /// Effective inertia about roll, pitch, yaw for the PX4-like rate loop, kg m².
     pub attitude_inertia_kg_m2: [f64; 3],
+    /// L1 adaptive control.
+    pub l1: L1Settings,
+    /// Excitation on top of the law.
+    pub multisine: MultisineSettings,
+}
+
+/// What decides how an L1 controller flies.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct L1Settings {
+    /// `-A_s`, 1/s.
+    pub pole_per_s: f64,
+    /// Corner of its low-pass of the rows x y z, then of the others, rad/s.
+    pub cutoff_rad_s: [f64; 2],
+}
+
+/// Sines on top of what the law commands, their phases from the scenario's seed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MultisineSettings {
+    /// Sines per row; none switches the excitation off.
+    pub tones: usize,
+    /// Slowest and fastest of the rows x y z, Hz.
+    pub force_hz: [f64; 2],
+    /// Slowest and fastest of the other rows, Hz.
+    pub moment_hz: [f64; 2],
+    /// Root mean square of each row, N and N m.
+    pub rms: [f64; 8],
 }
 
 /// Which law.
@@ -199,6 +273,8 @@ pub enum ControllerKind {
     Adaptive,
     /// Plain PID.
     Pid,
+    /// L1 adaptive control.
+    L1,
 }
 
 /// Gains at the start: a preset and what differs from it.
@@ -227,6 +303,20 @@ pub struct Scheduled {
     pub disturbance: Disturbance,
 }
 
+/// A failure for a time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ScheduledFailure {
+    /// When it begins, s: from the start, or from when the condition first holds.
+    pub at_s: f64,
+    /// How long it lasts, s; to the end of the flight if absent.
+    pub duration_s: Option<f64>,
+    /// What it waits for.
+    pub when: Option<Condition>,
+    /// What fails.
+    #[serde(flatten)]
+    pub failure: Failure,
+}
+
 /// Limits of one metric.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -238,11 +328,17 @@ pub struct Bound {
 }
 
 /// What the scenario must end with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Expect {
     /// The verdict.
     pub verdict: Verdict,
+    /// The scenario proves that a test can fail: it passes only if what is named here is broken (a metric, a signal, the kind of
+    /// an event, or `verdict`).
+    pub fails: Option<String>,
+    /// Events that must or must not happen.
+    #[serde(default)]
+    pub events: Vec<EventCheck>,
 }
 
 impl Settings {

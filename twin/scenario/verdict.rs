@@ -27,6 +27,22 @@ pub enum Verdict {
     NonFinite,
 }
 
+impl std::fmt::Display for Verdict {
+    /// The word of a scenario's `expect.verdict`.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Completed => "completed",
+            Self::TimedOut => "timed_out",
+            Self::Dropped => "dropped",
+            Self::Misplaced => "misplaced",
+            Self::Crashed => "crashed",
+            Self::FlewAway => "flew_away",
+            Self::GaveUp => "gave_up",
+            Self::NonFinite => "non_finite",
+        })
+    }
+}
+
 /// The vehicle has left when it is farther than this from the origin, m.
 const ARENA_RADIUS_M: f64 = 6.0;
 /// A body that is not a pad met something harder than this, N.
@@ -96,7 +112,7 @@ impl Judge {
         truth: &crate::tick::Truth,
     ) -> Option<(Verdict, String)> {
         let carried = tick.reference.transporting && tick.phase != "lift";
-        if !carried || self.task != TaskKind::PickPlace {
+        if !carried || !matches!(self.task, TaskKind::PickPlace | TaskKind::Excitation) {
             self.payload_in_palm = None;
             return None;
         }
@@ -116,6 +132,9 @@ impl Judge {
             TaskKind::Hover => return (Verdict::Completed, format!("hovered for {t_s:.1} s")),
             TaskKind::Path => {
                 return (Verdict::Completed, format!("followed the path in {t_s:.1} s"));
+            }
+            TaskKind::Excitation => {
+                return (Verdict::Completed, format!("flew way-points for {t_s:.1} s"));
             }
             TaskKind::PickPlace => {}
         }

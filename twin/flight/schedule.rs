@@ -1,0 +1,138 @@
+//! What happens to the world in a flight by itself: at a time, or once something came to pass.
+//!
+//! In: the ticks of the flight. Out: the disturbances that are due. State: what is still to come.
+
+use crate::source::Disturbance;
+use crate::tick::{EventKind, Tick};
+
+/// Disturbances that begin when something first comes to pass.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trigger {
+    /// What has to come to pass.
+    pub when: Condition,
+    /// What follows, each so many seconds after it.
+    pub then: Vec<(f64, Disturbance)>,
+}
+
+/// What a trigger waits for: all of what is given, in one tick.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Condition {
+    /// The task is in this phase.
+    pub phase: Option<String>,
+    /// An event of this kind happens …
+    pub event: Option<EventKind>,
+    /// … whose sentence has this part.
+    pub text: Option<String>,
+}
+
+impl Condition {
+    /// Whether a tick in `phase` with these events is what is waited for.
+    pub fn met(&self, tick: &Tick) -> bool {
+        let phase = self.phase.as_ref().is_none_or(|phase| *phase == tick.phase);
+        let event = self.event.is_none_or(|kind| {
+            let told = |text: &str| self.text.as_ref().is_none_or(|part| text.contains(part));
+            tick.events.iter().any(|event| event.kind == kind && told(&event.text))
+        });
+        phase && event
+    }
+}
+
+/// What is still to come.
+#[derive(Clone, Debug)]
+pub(super) struct Schedule {
+    /// By time, the latest first.
+    timed: Vec<(f64, Disturbance)>,
+    waiting: Vec<Trigger>,
+}
+
+impl Schedule {
+    pub(super) fn new(timed: Vec<(f64, Disturbance)>, waiting: Vec<Trigger>) -> Self {
+        let mut schedule = Self { timed, waiting };
+        schedule.sort();
+        schedule
+    }
+
+    /// The next of what is due at `now_s`.
+    pub(super) fn next(&mut self, now_s: f64) -> Option<Disturbance> {
+        let due = self.timed.last().is_some_and(|(at_s, _)| *at_s <= now_s);
+        if due { self.timed.pop().map(|(_, disturbance)| disturbance) } else { None }
+    }
+
+    /// A tick was flown: what waited for it is scheduled.
+    pub(super) fn watch(&mut self, tick: &Tick) {
+        let now_s = tick.measurement.t_s;
+        let met = self.waiting.extract_if(.., |trigger| trigger.when.met(tick));
+        let then = met.flat_map(|trigger| trigger.then);
+        let before = self.timed.len();
+        self.timed.extend(then.map(|(delay_s, disturbance)| (now_s + delay_s, disturbance)));
+        if self.timed.len() > before {
+            self.sort();
+        }
+    }
+
+    /// The latest first; of those at one time the first stays last, where it is taken from.
+    fn sort(&mut self) {
+        self.timed.reverse();
+        self.timed.sort_by(|a, b| b.0.total_cmp(&a.0));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mirror::fixture;
+    use crate::tick::Event;
+
+    fn mass(kg: f64) -> Disturbance {
+        Disturbance::PayloadMass { kg }
+    }
+
+    fn due(schedule: &mut Schedule, now_s: f64) -> Vec<Disturbance> {
+        std::iter::from_fn(|| schedule.next(now_s)).collect()
+    }
+
+    fn tick(phase: &str, events: Vec<Event>) -> Tick {
+        Tick { phase: phase.to_owned(), events, ..fixture::tick(0) }
+    }
+
+    #[test]
+    fn what_is_due_comes_in_the_order_of_time_and_only_once() {
+        let mut schedule =
+            Schedule::new(vec![(2.0, mass(0.2)), (1.0, mass(0.1)), (1.0, mass(0.15))], Vec::new());
+        assert_eq!(due(&mut schedule, 0.5), []);
+        assert_eq!(due(&mut schedule, 1.0), [mass(0.1), mass(0.15)]);
+        assert_eq!(due(&mut schedule, 9.0), [mass(0.2)]);
+        assert_eq!(due(&mut schedule, 9.0), []);
+    }
+
+    #[test]
+    fn a_trigger_fires_once_and_everything_of_it_counts_from_there() {
+        let when = Condition { phase: Some("transport".to_owned()), ..Condition::default() };
+        let then = vec![(0.5, mass(0.4)), (1.5, mass(0.3))];
+        let mut schedule = Schedule::new(vec![(1.0, mass(0.1))], vec![Trigger { when, then }]);
+        schedule.watch(&tick("lift", Vec::new()));
+        assert_eq!(due(&mut schedule, 10.0), [mass(0.1)]);
+        let there = tick("transport", Vec::new());
+        let t_s = there.measurement.t_s;
+        schedule.watch(&there);
+        schedule.watch(&there);
+        assert_eq!(due(&mut schedule, t_s + 0.4), []);
+        assert_eq!(due(&mut schedule, t_s + 0.5), [mass(0.4)]);
+        assert_eq!(due(&mut schedule, t_s + 9.0), [mass(0.3)]);
+    }
+
+    #[test]
+    fn a_condition_wants_all_that_it_names_in_one_tick() {
+        let when = Condition {
+            phase: Some("lift".to_owned()),
+            event: Some(EventKind::Grasp),
+            text: Some("gripped".to_owned()),
+        };
+        let grasp = || vec![Event::new(EventKind::Grasp, "payload gripped")];
+        assert!(when.met(&tick("lift", grasp())));
+        assert!(!when.met(&tick("transport", grasp())));
+        assert!(!when.met(&tick("lift", Vec::new())));
+        assert!(!when.met(&tick("lift", vec![Event::new(EventKind::Grasp, "lost")])));
+    }
+}

@@ -1,0 +1,140 @@
+//! How trained weights fly: the closed-loop figures without which they are not flown.
+//!
+//! The adapter is off and the estimate slow, so that the base forecast alone carries the vehicle; what is scored is that
+//! forecast against the residual it helped to make.
+
+use std::path::Path;
+
+use super::{BuildError, Judge, Scenario, ScenarioError, Verdict};
+use crate::notation::{Coords, N};
+use crate::residual::weights::{Acceptance, Weights, WeightsError};
+use crate::tick::Tick;
+
+/// Corner of the low-pass on the estimate, Hz.
+const BANDWIDTH_HZ: f64 = 2.0;
+
+/// Ticks before this time belong to the start, s.
+const FROM_S: f64 = 2.0;
+
+/// Why weights cannot be flown at all.
+#[derive(Debug, thiserror::Error)]
+pub enum AcceptanceError {
+    /// The weights' file.
+    #[error("{file}: {reason}")]
+    File {
+        /// File.
+        file: String,
+        /// What is wrong.
+        reason: String,
+    },
+    /// The weights.
+    #[error(transparent)]
+    Weights(#[from] WeightsError),
+    /// A scenario.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// The flight.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+}
+
+/// One flight of the acceptance.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Flown {
+    /// Scenario.
+    pub scenario: String,
+    /// Mean over rows of the base forecast's R², a priori.
+    pub r2: f64,
+    /// The same per row, in coordinate order.
+    pub r2_rows: [f64; N],
+    /// How the flight ended.
+    pub verdict: Verdict,
+    /// Why.
+    pub reason: String,
+}
+
+/// Flies `scenario` with the weights of `file`, overridden by `overrides`, and scores the base forecast.
+///
+/// # Errors
+/// [`AcceptanceError`] if the scenario or the weights cannot be flown.
+pub fn fly(scenario: &Path, file: &Path, overrides: &[String]) -> Result<Flown, AcceptanceError> {
+    // Relative to where the command runs, not to the scenario.
+    let path = std::path::absolute(file).map_err(|error| unusable(file, &error))?;
+    let mut all = vec![
+        "predictor.kind=\"fdt\"".to_owned(),
+        format!("predictor.weights={:?}", path.display().to_string()),
+        "predictor.force=true".to_owned(),
+        "gains.adapter_on=0.0".to_owned(),
+        format!("gains.residual_bandwidth_hz={BANDWIDTH_HZ:?}"),
+    ];
+    all.extend_from_slice(overrides);
+    let scenario = Scenario::load(scenario, &all)?;
+    let mut flight = scenario.build()?;
+    let mut judge = Judge::new(&scenario.settings);
+    let mut score = Score::default();
+    loop {
+        let tick = flight.tick();
+        score.add(&tick);
+        if let Some((verdict, reason)) = judge.watch(&tick) {
+            let r2_rows = score.rows();
+            let r2 = r2_rows.iter().sum::<f64>() / N as f64;
+            return Ok(Flown { scenario: scenario.name, r2, r2_rows, verdict, reason });
+        }
+    }
+}
+
+impl Flown {
+    /// What the head says of this flight: a flight that was not completed proves nothing.
+    pub fn figure(&self) -> Option<f64> {
+        (self.verdict == Verdict::Completed && self.r2.is_finite()).then_some(self.r2)
+    }
+}
+
+/// Writes the figures into the head of `file`.
+///
+/// # Errors
+/// [`AcceptanceError`] if the file cannot be read or written.
+pub fn write(file: &Path, acceptance: Acceptance) -> Result<(), AcceptanceError> {
+    let bytes = std::fs::read(file).map_err(|error| unusable(file, &error))?;
+    let mut weights = Weights::from_bytes(&bytes)?;
+    weights.head.acceptance = acceptance;
+    // Beside it, then over it: a file that is read meanwhile is whole.
+    let new = file.with_extension("safetensors.new");
+    std::fs::write(&new, weights.to_bytes()?).map_err(|error| unusable(&new, &error))?;
+    std::fs::rename(&new, file).map_err(|error| unusable(file, &error))
+}
+
+fn unusable(file: &Path, error: &std::io::Error) -> AcceptanceError {
+    AcceptanceError::File { file: file.display().to_string(), reason: error.to_string() }
+}
+
+/// Sums for the coefficient of determination of each row.
+#[derive(Default)]
+struct Score {
+    count: f64,
+    sum: Coords,
+    squares: Coords,
+    errors: Coords,
+}
+
+impl Score {
+    fn add(&mut self, tick: &Tick) {
+        let Some(base) = tick.forecast.base.first() else { return };
+        if tick.measurement.t_s < FROM_S {
+            return;
+        }
+        let error = tick.residual - base;
+        self.count += 1.0;
+        self.sum += tick.residual;
+        self.squares += tick.residual.component_mul(&tick.residual);
+        self.errors += error.component_mul(&error);
+    }
+
+    /// `1 - sum (r - base)^2 / sum (r - mean r)^2` per row; NaN without ticks.
+    fn rows(&self) -> [f64; N] {
+        std::array::from_fn(|row| {
+            let spread = self.squares[row] - self.sum[row].powi(2) / self.count;
+            1.0 - self.errors[row] / spread
+        })
+    }
+}
