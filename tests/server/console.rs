@@ -37,6 +37,8 @@ pub(super) fn options() -> ServeOptions {
         speed: Some(1.0),
         start_paused: false,
         record: None,
+        viewer_dir: None,
+        foxglove_port: None,
     }
 }
 
@@ -67,15 +69,15 @@ impl Frame {
     pub(super) fn decode(bytes: &[u8]) -> Self {
         let u16_at = |at: usize| u16::from_le_bytes([bytes[at], bytes[at + 1]]);
         let u32_at = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
-        assert_eq!(bytes[..2], [0xC1, 1], "magic and version");
+        assert_eq!(bytes[..2], [0xC1, 2], "magic and version");
         let (rows, channels) = (usize::from(u16_at(8)), usize::from(u16_at(10)));
         let (bodies, contacts) = (usize::from(u16_at(12)), usize::from(u16_at(14)));
         assert_eq!(
             bytes.len(),
-            40 + 4 * (rows * channels + 7 * (bodies + 1) + 6 * contacts),
+            44 + 4 * (rows * channels + 7 * (bodies + 1) + 6 * contacts + usize::from(u16_at(40))),
             "length"
         );
-        let float = |index: usize| f32::from_bits(u32_at(40 + 4 * index));
+        let float = |index: usize| f32::from_bits(u32_at(44 + 4 * index));
         Self {
             schema_id: u16_at(2),
             first_tick: u64::from(u32_at(4)),

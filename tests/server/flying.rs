@@ -37,7 +37,7 @@ fn a_gain_is_echoed_to_everybody_with_one_tick_and_noted_in_that_tick() {
         noted["tick"], echo_one["tick"],
         "the event is in the first tick flown with the gain"
     );
-    assert!(noted["text"].as_str().unwrap().contains("slope.x = 2.25"), "{noted}");
+    assert!(noted["text"].as_str().unwrap().contains("Φ x (slope.x) 1.73205 -> 2.25"), "{noted}");
     assert_eq!(gain_in(&api(running.address(), "/api/gains"), "slope.x"), 2.25);
     let newcomer = Console::connect(running.address()).message("hello");
     assert_eq!(gain_in(&newcomer, "slope.x"), 2.25);
@@ -138,7 +138,7 @@ fn a_served_flight_is_recorded_tick_by_tick_and_each_restart_in_its_own_file() {
     assert!(first.ticks.iter().zip(0..).all(|(tick, index)| tick.index == index));
     let changed = &first.ticks[usize::try_from(echo["tick"].as_u64().unwrap()).unwrap()];
     assert!(
-        changed.events.iter().any(|event| event.text.contains("slope.y = 1.5")),
+        changed.events.iter().any(|event| event.text.contains("(slope.y) 1.73205 -> 1.5")),
         "{:?}",
         changed.events
     );

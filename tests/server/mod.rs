@@ -5,6 +5,17 @@
 
 mod console;
 mod flying;
+#[cfg(feature = "foxglove-ws")]
+mod foxglove;
+#[cfg(feature = "foxglove-ws")]
+mod foxglove_client;
+#[cfg(feature = "foxglove-ws")]
+mod foxglove_files;
+#[cfg(feature = "foxglove-ws")]
+mod foxglove_playback;
+mod mirroring;
 mod misuse;
+mod operating;
 mod serving;
+mod viewers;
 mod watching;

@@ -8,7 +8,7 @@ fn the_hello_comes_first_and_describes_the_frames_that_follow() {
     let running = serve();
     let mut console = Console::connect(running.address());
     let Arrival::Json(hello) = console.next() else { panic!("the first message is no JSON") };
-    assert_eq!((&hello["type"], &hello["protocol"]), (&"hello".into(), &1.into()));
+    assert_eq!((&hello["type"], &hello["protocol"]), (&"hello".into(), &2.into()));
     let frame = console.frame();
     assert_eq!(u64::from(frame.schema_id), hello["schema_id"].as_u64().unwrap());
     assert_eq!(frame.rows[0].len(), hello["channels"].as_array().unwrap().len());
@@ -69,6 +69,26 @@ fn a_slow_client_is_told_what_it_missed_and_slows_nobody() {
         missed += frame.gap;
     }
     assert!(missed > 0, "6000 ticks fitted into the buffers of a client that did not read");
+}
+
+#[test]
+fn a_client_that_comes_late_has_the_flight_so_far_and_misses_nothing_after() {
+    let running = serve();
+    let mut early = Console::connect(running.address());
+    let mut known = early.frame();
+    while known.after() < 120 {
+        known = early.frame();
+    }
+    let mut late = Console::connect(running.address());
+    let past = late.frame();
+    assert_eq!((past.first_tick, past.gap), (0, 0));
+    assert!(past.after() >= known.after(), "{} of {} ticks", past.after(), known.after());
+    // Bits, because an unknown value is NaN.
+    let bits = |row: &[f32]| row.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
+    for (tick, row) in (known.first_tick..).zip(&known.rows) {
+        assert_eq!(bits(&past.rows[tick as usize]), bits(row), "tick {tick}");
+    }
+    assert_eq!(late.frame().first_tick, past.after());
 }
 
 #[test]

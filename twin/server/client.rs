@@ -1,17 +1,22 @@
-//! One connection of `/ws`: a task that reads and a task that writes, joined by the client's outbox.
+//! One connection: a task that reads and a task that writes, joined by the client's outbox. What is said and heard is the
+//! [`Dialect`]'s: the console's here, those of the stock viewers in [`crate::server::viewers`].
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::TrySendError;
 use std::time::Duration;
 
+use axum::body::Bytes;
 use axum::extract::ws::{CloseFrame, Message as Frame, WebSocket};
 use futures_util::stream::{SplitSink, SplitStream};
 use futures_util::{SinkExt, StreamExt};
+use tokio::sync::Notify;
 
 use crate::server::App;
 use crate::server::command::{self, Request};
-use crate::server::hub::{Client, json};
-use crate::server::outbox::{Farewell, Message};
+use crate::server::hub::Client;
+use crate::server::mirrored;
+use crate::server::outbox::{Farewell, Message, Parcel, Told};
 use crate::server::protocol::{ClientMessage, NoticeLevel, ServerMessage};
 use crate::server::rate::{Admission, Bucket, MESSAGES_PER_S};
 
@@ -24,14 +29,58 @@ const SEND_TIMEOUT: Duration = Duration::from_secs(20);
 /// A connection that is to be closed may go on for this long to take its reason.
 const LINGER: Duration = Duration::from_secs(2);
 
-/// Frames are at least this far apart; ticks that fall between share one.
-const FRAME_GAP: Duration = Duration::from_millis(5);
+/// What a kind of client says and hears; the reading and the writing task share it.
+pub(super) trait Dialect: Send + Sync + 'static {
+    /// Batches are at least this far apart; ticks that fall between share one.
+    const GAP: Duration;
+
+    /// The next batch waits until the other side has taken the last one.
+    const ONE_IN_FLIGHT: bool;
+
+    /// Frames that say what waited, at `now_s` of the server's uptime.
+    fn compose(&self, parcel: Parcel, client: &Client, now_s: f64) -> Vec<Frame>;
+
+    /// Takes one frame of the client; control frames are dealt with already.
+    fn hear(&self, frame: &Frame, client: &Client, app: &App);
+}
+
+/// The browser console: JSON both ways and binary telemetry.
+pub(super) struct Console;
+
+impl Dialect for Console {
+    const GAP: Duration = Duration::from_millis(5);
+    const ONE_IN_FLIGHT: bool = false;
+
+    fn compose(&self, parcel: Parcel, client: &Client, now_s: f64) -> Vec<Frame> {
+        let texts = parcel.messages.into_iter().map(|message| match message {
+            Message::Told(told) => Frame::text(told.text.clone()),
+            Message::Hello(published) => Frame::text(Told::from(published.hello(client.id)).text),
+        });
+        let rows = parcel.telemetry.map(|telemetry| Frame::binary(telemetry.encode(now_s)));
+        texts.chain(rows).collect()
+    }
+
+    fn hear(&self, frame: &Frame, client: &Client, app: &App) {
+        match frame {
+            Frame::Text(text) => handle(text.as_str(), client, app),
+            _ => client
+                .notice(NoticeLevel::Warning, "binary messages mean nothing here; send JSON text"),
+        }
+    }
+}
 
 /// Most of a parser's sentence that a notice repeats, characters.
 const SHOWN_CHARACTERS: usize = 300;
 
+/// Whether the other side has taken the last batch: it answers the ping behind it.
+#[derive(Default)]
+struct Acknowledged {
+    awaited: AtomicBool,
+    arrived: Notify,
+}
+
 /// Serves one connection until it ends.
-pub(super) async fn serve(socket: WebSocket, app: Arc<App>) {
+pub(super) async fn serve<D: Dialect>(socket: WebSocket, app: Arc<App>, dialect: D) {
     let (mut sink, mut stream) = socket.split();
     let Some(client) = app.hub.join() else {
         let farewell = Farewell {
@@ -41,10 +90,13 @@ pub(super) async fn serve(socket: WebSocket, app: Arc<App>) {
         say_farewell(&mut sink, farewell).await;
         return;
     };
-    let mut writer = tokio::spawn(write(sink, Arc::clone(&client), Arc::clone(&app)));
+    let shared = Arc::new((dialect, Acknowledged::default()));
+    let writing = write(sink, Arc::clone(&client), Arc::clone(&app), Arc::clone(&shared));
+    let mut writer = tokio::spawn(writing);
     tokio::select! {
-        () = read(&mut stream, &client, &app) => {
+        () = read(&mut stream, &client, &app, &shared) => {
             client.close(1000, "bye");
+            shared.1.arrived.notify_one();
             // Closing with unread input resets the connection, and the other side would never see the reason.
             let drained = async { while let Some(Ok(_)) = stream.next().await {} };
             let _ = tokio::time::timeout(LINGER, async { tokio::join!(&mut writer, drained) }).await;
@@ -55,30 +107,55 @@ pub(super) async fn serve(socket: WebSocket, app: Arc<App>) {
     app.hub.leave(client.id);
 }
 
-async fn write(mut sink: SplitSink<WebSocket, Frame>, client: Arc<Client>, app: Arc<App>) {
+async fn write<D: Dialect>(
+    mut sink: SplitSink<WebSocket, Frame>,
+    client: Arc<Client>,
+    app: Arc<App>,
+    shared: Arc<(D, Acknowledged)>,
+) {
+    let (dialect, acknowledged) = &*shared;
     loop {
         client.wake.notified().await;
-        let parcel = client.outbox().take();
-        for message in parcel.messages {
-            let text = match message {
-                Message::Json(text) => text,
-                Message::Hello(published) => json(&published.hello(client.id)),
-            };
-            if !send(&mut sink, Frame::text(text.to_string())).await {
+        let mut parcel = client.outbox().take();
+        let farewell = parcel.farewell.take();
+        for frame in dialect.compose(parcel, &client, app.uptime_s()) {
+            if !send(&mut sink, frame).await {
                 return;
             }
         }
-        if let Some(telemetry) = parcel.telemetry {
-            let bytes = telemetry.encode(app.uptime_s());
-            if !send(&mut sink, Frame::binary(bytes)).await {
-                return;
-            }
-        }
-        if let Some(farewell) = parcel.farewell {
+        if let Some(farewell) = farewell {
             say_farewell(&mut sink, farewell).await;
             return;
         }
-        tokio::time::sleep(FRAME_GAP).await;
+        if D::ONE_IN_FLIGHT && !acknowledged.wait(&mut sink).await {
+            return;
+        }
+        tokio::time::sleep(D::GAP).await;
+    }
+}
+
+impl Acknowledged {
+    /// Asks and waits for the answer; `false` if the other side is gone.
+    async fn wait(&self, sink: &mut SplitSink<WebSocket, Frame>) -> bool {
+        self.awaited.store(true, Ordering::Relaxed);
+        if !send(sink, Frame::Ping(Bytes::new())).await {
+            return false;
+        }
+        if tokio::time::timeout(SEND_TIMEOUT, self.arrived.notified()).await.is_ok() {
+            return true;
+        }
+        let reason = format!("no answer for {} s", SEND_TIMEOUT.as_secs());
+        say_farewell(sink, Farewell { code: 1001, reason }).await;
+        false
+    }
+
+    /// Notes an answer; `false` if nobody waits for one.
+    fn note(&self) -> bool {
+        let awaited = self.awaited.swap(false, Ordering::Relaxed);
+        if awaited {
+            self.arrived.notify_one();
+        }
+        awaited
     }
 }
 
@@ -93,7 +170,12 @@ async fn say_farewell(sink: &mut SplitSink<WebSocket, Frame>, farewell: Farewell
         tokio::time::timeout(Duration::from_secs(1), sink.send(Frame::Close(Some(frame)))).await;
 }
 
-async fn read(stream: &mut SplitStream<WebSocket>, client: &Client, app: &App) {
+async fn read<D: Dialect>(
+    stream: &mut SplitStream<WebSocket>,
+    client: &Client,
+    app: &App,
+    (dialect, acknowledged): &(D, Acknowledged),
+) {
     let mut bucket = Bucket::new(app.uptime_s());
     while let Some(frame) = stream.next().await {
         let frame = match frame {
@@ -110,32 +192,39 @@ async fn read(stream: &mut SplitStream<WebSocket>, client: &Client, app: &App) {
                 return;
             }
         };
-        match bucket.admit(app.uptime_s()) {
+        if matches!(frame, Frame::Pong(_)) && acknowledged.note() {
+            continue;
+        }
+        match admit(&mut bucket, client, app) {
             Admission::Handle => {}
-            Admission::Drop => continue,
-            Admission::Warn => {
-                let text = format!(
-                    "more than {MESSAGES_PER_S} messages per second; the rest is ignored, slow down"
-                );
-                client.notice(NoticeLevel::Warning, text);
-                continue;
-            }
-            Admission::Close => {
-                client.close(
-                    1008,
-                    format!("more than {MESSAGES_PER_S} messages per second in spite of a warning"),
-                );
-                return;
-            }
+            Admission::Close => return,
+            Admission::Warn | Admission::Drop => continue,
         }
         match frame {
-            Frame::Text(text) => handle(text.as_str(), client, app),
-            Frame::Binary(_) => client
-                .notice(NoticeLevel::Warning, "binary messages mean nothing here; send JSON text"),
             Frame::Close(_) => return,
             Frame::Ping(_) | Frame::Pong(_) => {}
+            frame => dialect.hear(&frame, client, app),
         }
     }
+}
+
+/// What to do with a message that arrives now; the client is told if it sends too many.
+fn admit(bucket: &mut Bucket, client: &Client, app: &App) -> Admission {
+    let admission = bucket.admit(app.uptime_s());
+    match admission {
+        Admission::Handle | Admission::Drop => {}
+        Admission::Warn => client.notice(
+            NoticeLevel::Warning,
+            format!(
+                "more than {MESSAGES_PER_S} messages per second; the rest is ignored, slow down"
+            ),
+        ),
+        Admission::Close => client.close(
+            1008,
+            format!("more than {MESSAGES_PER_S} messages per second in spite of a warning"),
+        ),
+    }
+    admission
 }
 
 fn handle(text: &str, client: &Client, app: &App) {
@@ -148,26 +237,34 @@ fn handle(text: &str, client: &Client, app: &App) {
         }
     };
     if let ClientMessage::Ping { t } = message {
-        client.say(&ServerMessage::Pong { t, t_s: app.hub.simulated_s() });
+        client.say(ServerMessage::Pong { t, t_s: app.hub.simulated_s() });
         return;
     }
-    match command::check(message, &app.scenarios, &app.tuning) {
-        Ok(Some(command)) => {
-            if let Err(why) = app.ask(Request { client: Some(client.id), command }) {
-                client.notice(NoticeLevel::Error, why);
-            }
-        }
-        Ok(None) => {}
-        Err(error) => client.notice(NoticeLevel::Warning, error.to_string()),
-    }
+    app.obey(message, client);
 }
 
 /// The start of a sentence, at most so many characters.
-fn shown(text: &str, characters: usize) -> String {
+pub(super) fn shown(text: &str, characters: usize) -> String {
     text.chars().take(characters).collect()
 }
 
 impl App {
+    /// Checks what a client asks and hands it to the flight; the client is told if it has no effect.
+    pub(super) fn obey(&self, message: ClientMessage, client: &Client) {
+        if let Some(why) = mirrored::refusal(&message, self.mirrored) {
+            return client.notice(NoticeLevel::Warning, why);
+        }
+        match command::check(message, &self.scenarios, &self.tuning) {
+            Ok(Some(command)) => {
+                if let Err(why) = self.ask(Request { client: Some(client.id), command }) {
+                    client.notice(NoticeLevel::Error, why);
+                }
+            }
+            Ok(None) => {}
+            Err(error) => client.notice(NoticeLevel::Warning, error.to_string()),
+        }
+    }
+
     /// Hands a request to the flight without waiting.
     ///
     /// # Errors

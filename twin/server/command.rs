@@ -24,8 +24,12 @@ const MOST_PUSH_N: f64 = 100.0;
 /// Longest push, s.
 const LONGEST_PUSH_S: f64 = 10.0;
 
+/// Latest time of a recording, s.
+const LATEST_S: f64 = 1e6;
+
 /// Effects that can be switched.
-const EFFECTS: [&str; 5] = ["rotor_drag", "body_drag", "ground_effect", "downwash", "wind"];
+pub(super) const EFFECTS: [&str; 5] =
+    ["rotor_drag", "body_drag", "ground_effect", "downwash", "wind"];
 
 /// Something for the flight to do between two ticks.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,6 +51,8 @@ pub(super) enum Command {
     },
     /// Change the world.
     Disturb(Disturbance),
+    /// Go to a time of a recording, s.
+    Seek(f64),
 }
 
 /// A command with the client that sent it; `None` for the HTTP interface.
@@ -69,6 +75,9 @@ pub(super) enum CommandError {
         "preset custom refused: it is what a set of gains is called that is no preset; allowed: literal, paper, tuned"
     )]
     CustomPreset,
+    /// Failures belong to a scenario, where they can be flown again.
+    #[error("disturb failure refused: write it into the scenario as [[faults]]")]
+    Failure,
     /// A number outside its limits.
     #[error("{what} = {found} refused: expected a finite value in {min}..={max} {unit}")]
     OutOfRange {
@@ -139,6 +148,10 @@ pub(super) fn check(
             }
             Command::Restart { seed, scenario }
         }
+        ClientMessage::Seek { t_s } => {
+            within("seek.t_s", t_s, 0.0, LATEST_S, "s")?;
+            Command::Seek(t_s)
+        }
         ClientMessage::Disturb { disturbance } => {
             harmless(&disturbance)?;
             Command::Disturb(disturbance)
@@ -173,6 +186,7 @@ fn harmless(disturbance: &Disturbance) -> Result<(), CommandError> {
         }
         Disturbance::DropPayload => Ok(()),
         Disturbance::Effect { name, .. } if EFFECTS.contains(&name.as_str()) => Ok(()),
+        Disturbance::Failure { .. } => Err(CommandError::Failure),
         Disturbance::Effect { name, .. } => {
             Err(CommandError::UnknownEffect { name: shortened(name), allowed: EFFECTS.join(", ") })
         }

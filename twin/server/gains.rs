@@ -5,6 +5,7 @@
 
 use crate::flight::Flight;
 use crate::scenario::{Preset, Scenario};
+use crate::server::ledger::Ledger;
 use crate::server::protocol::{GainEcho, GainInfo, GainList, PresetName};
 use crate::tick::{Event, EventKind};
 use crate::tuning::{Tuning, TuningError};
@@ -14,6 +15,9 @@ const PRESETS: [(Preset, PresetName, &str); 3] = [
     (Preset::Paper, PresetName::Paper, "paper"),
     (Preset::Tuned, PresetName::Tuned, "tuned"),
 ];
+
+/// Gains changed between two ticks that are named one by one.
+const MOST_SENTENCES: usize = 3;
 
 /// A gain whose name and value were checked; only [`check`] makes one.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,10 +59,11 @@ pub(super) fn preset(name: PresetName) -> Option<Preset> {
     PRESETS.iter().find(|(_, known, _)| *known == name).map(|(preset, ..)| *preset)
 }
 
-/// The presets of a flight and the one chosen last.
+/// The presets of a flight, the one chosen last, and what was said about changes.
 pub(super) struct Desk {
     presets: [Tuning; PRESETS.len()],
     chosen: usize,
+    ledger: Ledger,
 }
 
 impl Desk {
@@ -68,7 +73,19 @@ impl Desk {
         let tuning = within_ranges(tuning);
         let differences = |preset: &Tuning| changed(preset, &tuning).count();
         let nearest = (0..presets.len()).min_by_key(|&index| differences(&presets[index]));
-        Self { presets, chosen: nearest.unwrap_or_default() }
+        Self { presets, chosen: nearest.unwrap_or_default(), ledger: Ledger::default() }
+    }
+
+    /// The preset chosen last.
+    pub(super) fn base(&self) -> PresetName {
+        PRESETS[self.chosen].1
+    }
+
+    /// Changes that have come to rest before `next_tick` become events.
+    pub(super) fn settle(&mut self, flight: &mut Flight, next_tick: u64) {
+        for text in self.ledger.settle(next_tick) {
+            flight.note(Event::new(EventKind::Gain, text));
+        }
     }
 
     /// Every gain with its value in force.
@@ -105,7 +122,8 @@ impl Desk {
         changes: Vec<Change>,
         next_tick: u64,
     ) -> Applied {
-        let mut tuning = *flight.tuning();
+        let before = *flight.tuning();
+        let mut tuning = before;
         let (mut named, mut preset_applied) = (Vec::new(), false);
         for change in changes {
             match change {
@@ -122,7 +140,9 @@ impl Desk {
             }
         }
         flight.set_tuning(tuning);
-        self.note(flight, &tuning, &named, preset_applied);
+        for text in self.sentences([&before, &tuning], &named, preset_applied, next_tick) {
+            flight.note(Event::new(EventKind::Gain, text));
+        }
         let preset = self.preset(&tuning);
         let echoes = named
             .into_iter()
@@ -141,18 +161,35 @@ impl Desk {
         changed(&before, tuning).collect()
     }
 
-    fn note(&self, flight: &mut Flight, tuning: &Tuning, named: &[String], preset_applied: bool) {
+    /// What is to be said at once about gains that changed.
+    fn sentences(
+        &mut self,
+        [before, after]: [&Tuning; 2],
+        named: &[String],
+        preset_applied: bool,
+        next_tick: u64,
+    ) -> Vec<String> {
+        let differs =
+            |name: &&String| shown(before, name).to_bits() != shown(after, name).to_bits();
+        let changed: Vec<&String> = named.iter().filter(differs).collect();
         if preset_applied {
-            let name = PRESETS[self.chosen].2;
-            flight.note(Event::new(
-                EventKind::Gain,
-                format!("preset {name} ({} gains changed)", named.len()),
-            ));
-            return;
+            self.ledger = Ledger::default();
+            return vec![format!(
+                "preset {} ({} gains changed)",
+                PRESETS[self.chosen].2,
+                changed.len()
+            )];
         }
-        for name in named {
-            flight.note(Event::new(EventKind::Gain, format!("{name} = {}", shown(tuning, name))));
+        if changed.len() > MOST_SENTENCES {
+            let names: Vec<&str> = changed.iter().map(|name| name.as_str()).collect();
+            return vec![format!("{} gains changed: {}", names.len(), names.join(", "))];
         }
+        changed
+            .into_iter()
+            .filter_map(|name| {
+                self.ledger.change(name, [shown(before, name), shown(after, name)], next_tick)
+            })
+            .collect()
     }
 }
 
@@ -193,7 +230,11 @@ mod tests {
     }
 
     fn desk() -> Desk {
-        Desk { presets: PRESETS.map(|(preset, ..)| within_ranges(&tuning(preset))), chosen: 2 }
+        Desk {
+            presets: PRESETS.map(|(preset, ..)| within_ranges(&tuning(preset))),
+            chosen: 2,
+            ledger: Ledger::default(),
+        }
     }
 
     #[test]

@@ -1,4 +1,5 @@
-//! Routes: the page and its assets, `/ws`, and `/api/…` as JSON.
+//! Routes: the page and its assets, `/ws`, the stock viewers, and `/api/…` as JSON. An upgrade at `/` is MeshCat: its stock
+//! viewer knows no other path.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -6,6 +7,7 @@ use std::sync::Arc;
 use axum::body::Bytes;
 use axum::extract::rejection::JsonRejection;
 use axum::extract::ws::WebSocketUpgrade;
+use axum::extract::ws::rejection::WebSocketUpgradeRejection;
 use axum::extract::{Path, Request, State};
 use axum::http::header::{
     CACHE_CONTROL, CONTENT_ENCODING, CONTENT_SECURITY_POLICY, CONTENT_TYPE, HOST, ORIGIN,
@@ -19,12 +21,15 @@ use axum::{Json, Router};
 use serde::Deserialize;
 use serde_json::json;
 
-use crate::server::client::{self, LONGEST_MESSAGE};
+use crate::server::client::{self, Console, Dialect, LONGEST_MESSAGE};
 use crate::server::command::{Command, Request as Ask};
 use crate::server::gains::{self, Change};
+use crate::server::mirrored;
 use crate::server::origin::{OriginError, check_host, check_origin};
-use crate::server::pace::STAGES;
-use crate::server::{App, assets};
+use crate::server::protocol::ClientMessage;
+use crate::server::viewers::meshcat::MeshCat;
+use crate::server::viewers::pages;
+use crate::server::{App, assets, metrics, override_file};
 
 /// The page may load and talk to nothing but this server; style attributes are set by the sliders.
 const POLICY: &str = "default-src 'none'; script-src 'self'; worker-src 'self' blob:; style-src 'self' 'unsafe-inline'; \
@@ -46,6 +51,9 @@ pub(super) fn router(app: Arc<App>) -> Router {
         .route("/api/health", get(health))
         .route("/api/state", get(state))
         .route("/api/gains", get(list_gains).post(set_gain))
+        .route("/api/override.toml", get(override_toml))
+        .route("/metrics", get(metrics_page))
+        .merge(pages::routes())
         .route("/{*path}", get(asset))
         .layer(middleware::from_fn(guard))
         .with_state(app)
@@ -67,7 +75,8 @@ async fn guard(request: Request, next: Next) -> Response {
         (CONTENT_SECURITY_POLICY, POLICY),
         (REFERRER_POLICY, "no-referrer"),
     ] {
-        response.headers_mut().insert(name, HeaderValue::from_static(value));
+        // The viewers' pages need a policy of their own.
+        response.headers_mut().entry(name).or_insert(HeaderValue::from_static(value));
     }
     response
 }
@@ -83,13 +92,27 @@ fn refusal(error: &OriginError) -> Response {
 }
 
 async fn upgrade(upgrade: WebSocketUpgrade, State(app): State<Arc<App>>) -> Response {
+    connect(upgrade, app, Console)
+}
+
+/// The socket of a client that speaks `dialect`.
+pub(super) fn connect(upgrade: WebSocketUpgrade, app: Arc<App>, dialect: impl Dialect) -> Response {
     upgrade
         .max_message_size(LONGEST_MESSAGE)
         .max_frame_size(LONGEST_MESSAGE)
-        .on_upgrade(move |socket| client::serve(socket, app))
+        .on_upgrade(move |socket| client::serve(socket, app, dialect))
 }
 
-async fn index() -> Response {
+async fn index(
+    upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
+    State(app): State<Arc<App>>,
+    headers: HeaderMap,
+) -> Response {
+    match upgrade {
+        Ok(upgrade) => return connect(upgrade, app, MeshCat::default()),
+        Err(refused) if headers.contains_key("upgrade") => return refused.into_response(),
+        Err(_) => {}
+    }
     find("index.html").unwrap_or_else(|| Html(STATUS_PAGE).into_response())
 }
 
@@ -117,8 +140,9 @@ fn find(path: &str) -> Option<Response> {
 
 async fn health(State(app): State<Arc<App>>) -> Response {
     let flying = app.hub.is_flying();
-    let cost_ms: BTreeMap<&str, f64> =
-        STAGES.into_iter().zip(app.hub.published().cost_ms).collect();
+    let stages = app.hub.published().state.stages;
+    let cost_ms: BTreeMap<String, f64> =
+        stages.into_iter().map(|stage| (stage.name, stage.ms)).collect();
     let body = json!({
         "status": if flying { "ok" } else { "flight stopped" },
         "version": env!("CARGO_PKG_VERSION"),
@@ -137,6 +161,16 @@ async fn state(State(app): State<Arc<App>>) -> Response {
 async fn list_gains(State(app): State<Arc<App>>) -> Response {
     let published = app.hub.published();
     Json(json!({ "preset": published.preset, "gains": published.gains })).into_response()
+}
+
+async fn metrics_page(State(app): State<Arc<App>>) -> Response {
+    let text = metrics::text(&app.hub.published(), app.uptime_s());
+    ([(CONTENT_TYPE, "text/plain; version=0.0.4; charset=utf-8")], text).into_response()
+}
+
+async fn override_toml(State(app): State<Arc<App>>) -> Response {
+    let text = override_file::text(&app.hub.published());
+    ([(CONTENT_TYPE, "application/toml; charset=utf-8")], text).into_response()
 }
 
 /// Body of `POST /api/gains`.
@@ -158,6 +192,10 @@ async fn set_gain(
         Ok(Json(named)) => named,
         Err(rejection) => return error(rejection.status(), rejection.body_text()),
     };
+    let asked = ClientMessage::SetGain { name: name.clone(), value };
+    if let Some(why) = mirrored::refusal(&asked, app.mirrored) {
+        return error(StatusCode::UNPROCESSABLE_ENTITY, why.to_owned());
+    }
     let checked = match gains::check(&app.tuning, name.clone(), value) {
         Ok(checked) => checked,
         Err(refused) => return error(StatusCode::UNPROCESSABLE_ENTITY, refused.to_string()),

@@ -9,17 +9,19 @@ use tokio::sync::Notify;
 
 use crate::mirror::scene::Scene;
 use crate::notation::TICK_S;
-use crate::server::outbox::{Farewell, Message, Outbox};
-use crate::server::pace::STAGES;
+use crate::residual::HORIZON;
+use crate::server::command::EFFECTS;
+use crate::server::metrics::Lateness;
+use crate::server::outbox::{Farewell, Message, Outbox, Past, Told};
 use crate::server::protocol::{
-    ChannelInfo, EVENTS_KEPT, EventInfo, GainInfo, Hello, Notice, NoticeLevel, PROTOCOL_VERSION,
-    PresetName, ScenarioInfo, ServerMessage, StateInfo,
+    ChannelInfo, EVENTS_KEPT, EventInfo, FlightPhase, GainInfo, Hello, MirrorInfo, Notice,
+    NoticeLevel, PROTOCOL_VERSION, PresetName, ScenarioInfo, ServerMessage, StateInfo,
 };
 use crate::server::telemetry::Picture;
 use crate::tick::Tick;
 
 /// Clients that may be connected at once.
-pub(super) const MOST_CLIENTS: usize = 128;
+pub(super) const MOST_CLIENTS: usize = 256;
 
 /// Everything a new client is told.
 #[derive(Clone, Debug)]
@@ -28,6 +30,8 @@ pub(super) struct Published {
     pub schema_id: u16,
     /// Scenarios that can be flown.
     pub scenarios: Arc<Vec<ScenarioInfo>>,
+    /// The recording that is mirrored.
+    pub mirror: Option<Arc<MirrorInfo>>,
     /// What to draw.
     pub scene: Arc<Scene>,
     /// Numbers of a row.
@@ -38,10 +42,12 @@ pub(super) struct Published {
     pub preset: PresetName,
     /// How the flight stands.
     pub state: StateInfo,
+    /// Preset that was chosen last: `preset_value` of a gain is its value there.
+    pub base: PresetName,
+    /// How late ticks began.
+    pub lateness: Lateness,
     /// The last events, oldest first.
     pub events: VecDeque<EventInfo>,
-    /// Mean time of each of the [`STAGES`] per tick since the state before, ms.
-    pub cost_ms: [f64; STAGES.len()],
 }
 
 impl Published {
@@ -54,6 +60,9 @@ impl Published {
             scenario: self.state.scenario.clone(),
             scenarios: self.scenarios.to_vec(),
             tick_s: TICK_S,
+            horizon_ticks: HORIZON as u32,
+            effects: EFFECTS.map(str::to_owned).to_vec(),
+            mirror: self.mirror.as_deref().cloned(),
             scene: (*self.scene).clone(),
             channels: self.channels.to_vec(),
             gains: self.gains.clone(),
@@ -90,12 +99,12 @@ impl Client {
 
     /// A word to this client alone; dropped if it does not read.
     pub(super) fn notice(&self, level: NoticeLevel, text: impl Into<String>) {
-        self.say(&ServerMessage::Notice(Notice { level, text: text.into() }));
+        self.say(ServerMessage::Notice(Notice { level, text: text.into() }));
     }
 
     /// A message to this client alone; dropped if it does not read.
-    pub(super) fn say(&self, message: &ServerMessage) {
-        if !self.outbox().push_message(Message::Json(json(message))) {
+    pub(super) fn say(&self, message: ServerMessage) {
+        if !self.outbox().push_message(Message::Told(Arc::new(message.into()))) {
             tracing::debug!("client {} does not read; a message to it was dropped", self.id);
         }
         self.wake.notify_one();
@@ -110,9 +119,12 @@ impl Client {
 
 struct Shared {
     published: Published,
+    past: Past,
     clients: BTreeMap<u64, Arc<Client>>,
     next_id: u64,
     flying: bool,
+    /// Ticks are remembered and not yet given to anybody.
+    holding: bool,
 }
 
 /// The meeting point of flight and clients.
@@ -126,9 +138,11 @@ impl Hub {
         Self {
             shared: Mutex::new(Shared {
                 published,
+                past: Past::default(),
                 clients: BTreeMap::new(),
                 next_id: 1,
                 flying: true,
+                holding: false,
             }),
         }
     }
@@ -151,6 +165,9 @@ impl Hub {
         let mut outbox = client.outbox();
         outbox.begin(shared.published.schema_id, false);
         outbox.start_over(Arc::new(shared.published.clone()));
+        if !shared.holding {
+            outbox.catch_up(&shared.past);
+        }
         drop(outbox);
         client.wake.notify_one();
         Some(client)
@@ -178,25 +195,46 @@ impl Hub {
         self.shared().flying = false;
     }
 
+    /// Whether ticks are flown.
+    pub(super) fn phase(&self) -> FlightPhase {
+        self.shared().published.state.phase
+    }
+
     /// Simulated time of the newest tick, s.
     pub(super) fn simulated_s(&self) -> f64 {
         self.shared().published.state.t_s
     }
 
-    /// A tick for everybody; `draw` is asked only if somebody watches.
+    /// A tick for everybody, also for those who join later.
     pub(super) fn tick(&self, tick: &Tick, draw: impl FnOnce() -> (Arc<[f32]>, Arc<Picture>)) {
+        let (row, picture) = draw();
         let clients: Vec<Arc<Client>> = {
             let mut shared = self.shared();
             shared.published.state.tick = tick.index + 1;
             shared.published.state.t_s = tick.measurement.t_s;
+            shared.past.push_tick(tick.index, Arc::clone(&row), Arc::clone(&picture));
+            if shared.holding {
+                return;
+            }
             shared.clients.values().cloned().collect()
         };
-        if clients.is_empty() {
-            return;
-        }
-        let (row, picture) = draw();
         for client in clients {
             client.outbox().push_tick(tick.index, Arc::clone(&row), Arc::clone(&picture));
+            client.wake.notify_one();
+        }
+    }
+
+    /// Ticks from here to [`Self::release`] come faster than anybody reads them: they are remembered only.
+    pub(super) fn hold(&self) {
+        self.shared().holding = true;
+    }
+
+    /// Gives everybody the ticks that were held back, as the past of what follows.
+    pub(super) fn release(&self) {
+        let mut shared = self.shared();
+        shared.holding = false;
+        for client in shared.clients.values() {
+            client.outbox().catch_up(&shared.past);
             client.wake.notify_one();
         }
     }
@@ -204,10 +242,13 @@ impl Hub {
     /// Changes what is published and tells everybody; a client that lets its messages pile up is sent everything anew.
     pub(super) fn publish(&self, change: impl FnOnce(&mut Published) -> Vec<ServerMessage>) {
         let mut shared = self.shared();
-        let messages: Vec<Arc<str>> = change(&mut shared.published).iter().map(json).collect();
+        let messages: Vec<Arc<Told>> = change(&mut shared.published)
+            .into_iter()
+            .map(|message| Arc::new(Told::from(message)))
+            .collect();
         for client in shared.clients.values() {
             let mut outbox = client.outbox();
-            if !messages.iter().all(|text| outbox.push_message(Message::Json(Arc::clone(text)))) {
+            if !messages.iter().all(|told| outbox.push_message(Message::Told(Arc::clone(told)))) {
                 outbox.start_over(Arc::new(shared.published.clone()));
             }
             drop(outbox);
@@ -219,13 +260,14 @@ impl Hub {
     pub(super) fn restart(&self, published: Published) {
         let mut shared = self.shared();
         shared.published = published;
+        shared.past = Past::default();
         shared.published.state.clients = shared.clients.len();
         let published = Arc::new(shared.published.clone());
-        let reset = json(&ServerMessage::Reset {});
+        let reset = Arc::new(Told::from(ServerMessage::Reset {}));
         for client in shared.clients.values() {
             let mut outbox = client.outbox();
             outbox.begin(published.schema_id, true);
-            let fits = outbox.push_message(Message::Json(Arc::clone(&reset)))
+            let fits = outbox.push_message(Message::Told(Arc::clone(&reset)))
                 && outbox.push_message(Message::Hello(Arc::clone(&published)));
             if !fits {
                 outbox.start_over(Arc::clone(&published));
@@ -253,10 +295,40 @@ impl Hub {
     }
 }
 
-/// The text of a message.
-pub(super) fn json(message: &ServerMessage) -> Arc<str> {
-    let text = serde_json::to_string(message);
-    text.inspect_err(|error| tracing::error!("a message has no JSON form: {error}"))
-        .unwrap_or_default()
-        .into()
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::scenario::Scenario;
+    use crate::server::outbox::MOST_ROWS;
+    use crate::server::sortie::Sortie;
+
+    #[test]
+    fn ticks_that_come_faster_than_anybody_reads_reach_everybody_as_one_past() {
+        let scenario = Scenario::load(Path::new("scenarios/hover.toml"), &[]).unwrap();
+        let mut sortie = Sortie::new(scenario).unwrap();
+        let hub = Hub::new(sortie.published(Arc::default(), None, false));
+        let before = hub.join().unwrap();
+        let mut fly = |ticks: usize| {
+            for _ in 0..ticks {
+                let tick = sortie.flight.tick();
+                hub.tick(&tick, || sortie.draw(&tick));
+            }
+        };
+        hub.hold();
+        fly(MOST_ROWS);
+        let meanwhile = hub.join().unwrap();
+        fly(MOST_ROWS);
+        assert!(meanwhile.outbox().take().telemetry.is_none());
+        hub.release();
+        fly(1);
+        for client in [before, meanwhile] {
+            let telemetry = client.outbox().take().telemetry.unwrap();
+            assert_eq!(
+                (telemetry.first_tick, telemetry.rows.len(), telemetry.gap),
+                (0, 2 * MOST_ROWS + 1, 0)
+            );
+        }
+    }
 }

@@ -1,37 +1,50 @@
 //! The browser's side: one thread flies in real time, everybody watches, operators turn gains.
 //!
-//! In: a [`Scenario`]. Out: `/` (console), `/ws` (see [`protocol`] and [`telemetry`]), `/api/health`, `/api/state`,
-//! `/api/gains`. The flight thread ([`pilot`]) never waits for a socket; each client has its own bounded [`outbox`].
+//! In: a [`Scenario`]. Out: `/` (console), `/ws` (see [`protocol`] and [`telemetry`]), `/meshcat/` and `/viser` (the stock
+//! viewers, see [`viewers`]), `/api/health`, `/api/state`, `/api/gains`; on a port of its own a server for Foxglove. The flight thread
+//! ([`pilot`]) never waits for a socket; each client has its own bounded [`outbox`].
 
 mod assets;
 pub mod channels;
 mod client;
 mod command;
+#[cfg_attr(not(feature = "foxglove-ws"), path = "no_foxglove.rs")]
+mod foxglove;
 mod gains;
 mod http;
 mod hub;
+mod ledger;
 mod logbook;
+mod metrics;
+mod mirrored;
 mod origin;
 mod outbox;
+mod override_file;
 mod pace;
 mod pilot;
+mod place;
 pub mod protocol;
 mod rate;
+mod running;
 mod sortie;
 pub mod telemetry;
 #[cfg(test)]
 mod typescript;
+pub mod viewers;
+mod world;
 
-use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+pub use mirrored::{MirrorOptions, serve_mirror, spawn_mirror};
+pub use running::Running;
+
+use std::collections::BTreeMap;
+use std::net::{IpAddr, SocketAddr};
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-use tokio::net::{TcpListener, TcpSocket};
-use tokio::runtime::Runtime;
 use tokio::sync::oneshot;
 
 use crate::mirror::RecordingError;
@@ -39,21 +52,13 @@ use crate::scenario::{BuildError, Preset, Scenario};
 use crate::server::command::Request;
 use crate::server::hub::Hub;
 use crate::server::logbook::Logbook;
-use crate::server::pilot::{Orders, Pilot};
+use crate::server::pilot::{Mission, Orders, Pilot};
+use crate::server::place::{Beside, Place};
 use crate::server::protocol::ScenarioInfo;
 use crate::tuning::Tuning;
 
 /// Requests that may wait for the flight.
 const MOST_REQUESTS: usize = 1024;
-
-/// Little is buffered in the kernel, so that a slow client sees new rows instead of old ones, bytes.
-const SEND_BUFFER: u32 = 64 * 1024;
-
-/// Connections get this long to close.
-const SHUTDOWN_TIMEOUT: Duration = Duration::from_secs(1);
-
-/// Connections that may wait to be accepted.
-const BACKLOG: u32 = 128;
 
 /// What to serve.
 pub struct ServeOptions {
@@ -71,6 +76,10 @@ pub struct ServeOptions {
     pub start_paused: bool,
     /// MCAP file of the flight; those of restarts are numbered.
     pub record: Option<PathBuf>,
+    /// Folder with the stock viewers, as `twin viewers fetch` leaves it; `None` if there is none.
+    pub viewer_dir: Option<PathBuf>,
+    /// Port for Foxglove, 0 for any free one; `None` for no such server.
+    pub foxglove_port: Option<u16>,
 }
 
 /// Why a flight cannot be served.
@@ -102,6 +111,14 @@ pub enum ServerError {
         /// What the system said.
         source: std::io::Error,
     },
+    /// The server for Foxglove cannot start.
+    #[error("no server for Foxglove on port {port}: {why}; choose another with --foxglove-port")]
+    Foxglove {
+        /// The port.
+        port: u16,
+        /// What stands in its way.
+        why: String,
+    },
     /// The flight cannot be built.
     #[error(transparent)]
     Scenario(#[from] BuildError),
@@ -122,7 +139,10 @@ struct App {
     scenarios: Arc<Vec<ScenarioInfo>>,
     /// Values that are in range, to try a change on.
     tuning: Tuning,
+    /// A recording is mirrored.
+    mirrored: bool,
     requests: SyncSender<Request>,
+    viewer_dir: Option<PathBuf>,
     started: Instant,
 }
 
@@ -133,24 +153,12 @@ impl App {
     }
 }
 
-/// A server that runs.
-pub struct Running {
-    address: SocketAddr,
-    hub: Arc<Hub>,
-    landing: Arc<AtomicBool>,
-    shutdown: Option<oneshot::Sender<()>>,
-    flight: Option<JoinHandle<()>>,
-    runtime: Option<Runtime>,
-}
-
 /// Serves a flight until Ctrl+C.
 ///
 /// # Errors
 /// [`ServerError`] if it cannot start.
 pub fn serve(options: ServeOptions) -> Result<(), ServerError> {
-    let running = spawn(options)?;
-    tracing::info!("console on http://{}", running.address());
-    running.wait()
+    running::watch(spawn(options)?)
 }
 
 /// Serves a flight in the background.
@@ -158,54 +166,85 @@ pub fn serve(options: ServeOptions) -> Result<(), ServerError> {
 /// # Errors
 /// [`ServerError`] if it cannot start.
 pub fn spawn(options: ServeOptions) -> Result<Running, ServerError> {
-    let address = SocketAddr::new(loopback(&options.host)?, options.port);
+    let known = std::iter::once(&options.scenario).chain(&options.catalogue);
+    let vehicles = known
+        .map(|known| Ok((known.name.clone(), known.vehicle_files()?)))
+        .collect::<Result<BTreeMap<_, _>, BuildError>>()?;
+    let place = Place {
+        host: options.host,
+        port: options.port,
+        viewer_dir: options.viewer_dir,
+        foxglove: options.foxglove_port.map(|port| Beside { port, vehicles }),
+    };
+    let tuning = options.scenario.preset_tuning(Preset::Tuned);
+    let orders = Orders {
+        mission: Mission::Fly(Box::new(options.scenario)),
+        catalogue: options.catalogue,
+        speed: options.speed,
+        start_paused: options.start_paused,
+        logbook: Logbook::new(options.record),
+    };
+    launch(orders, &tuning, false, place)
+}
+
+/// Listens, starts the flight, serves it. `tuning` is in range, to try a change on.
+fn launch(
+    orders: Orders,
+    tuning: &Tuning,
+    mirrored: bool,
+    place: Place,
+) -> Result<Running, ServerError> {
+    let address = SocketAddr::new(place::loopback(&place.host)?, place.port);
     let runtime =
         tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build()?;
-    let listener = runtime.block_on(async { listen(address) })?;
+    let listener = runtime.block_on(async { place::listen(address) })?;
     let address = listener.local_addr()?;
 
     let (requests, inbox) = sync_channel(MOST_REQUESTS);
     let landing = Arc::new(AtomicBool::new(false));
-    let tuning = options.scenario.preset_tuning(Preset::Tuned);
-    let (hub, flight) = take_off(options, inbox, Arc::clone(&landing))?;
+    let (hub, flight) = take_off(orders, inbox, Arc::clone(&landing))?;
     let scenarios = hub.published().scenarios;
-    let app =
-        Arc::new(App { hub: Arc::clone(&hub), scenarios, tuning, requests, started: pace::now() });
+    let app = Arc::new(App {
+        hub: Arc::clone(&hub),
+        scenarios,
+        tuning: *tuning,
+        mirrored,
+        requests,
+        viewer_dir: place.viewer_dir,
+        started: pace::now(),
+    });
+    let router = http::router(Arc::clone(&app));
     let (shutdown, asked) = oneshot::channel::<()>();
     runtime.spawn(async move {
         let stopped = async {
             // A sender that is gone asks for the same as one that speaks.
             let _ = asked.await;
         };
-        if let Err(error) =
-            axum::serve(listener, http::router(app)).with_graceful_shutdown(stopped).await
-        {
+        if let Err(error) = axum::serve(listener, router).with_graceful_shutdown(stopped).await {
             tracing::error!("the server stopped: {error}");
         }
     });
-    Ok(Running {
+    let mut running = Running {
         address,
+        foxglove: None,
         hub,
         landing,
         shutdown: Some(shutdown),
         flight: Some(flight),
         runtime: Some(runtime),
-    })
+    };
+    if let Some(beside) = place.foxglove {
+        running.open_beside(beside, app)?;
+    }
+    Ok(running)
 }
 
 /// Starts the flight's thread. The flight is built there too, so nothing in it has to move between threads.
 fn take_off(
-    options: ServeOptions,
+    orders: Orders,
     inbox: Receiver<Request>,
     landing: Arc<AtomicBool>,
 ) -> Result<(Arc<Hub>, JoinHandle<()>), ServerError> {
-    let orders = Orders {
-        scenario: options.scenario,
-        catalogue: options.catalogue,
-        speed: options.speed,
-        start_paused: options.start_paused,
-        logbook: Logbook::new(options.record),
-    };
     let (ready, published) = sync_channel(1);
     let flight = std::thread::Builder::new().name("flight".to_owned()).spawn(move || {
         let (pilot, told) = match Pilot::new(orders) {
@@ -221,108 +260,4 @@ fn take_off(
     })?;
     let hub = published.recv().map_err(|_| ServerError::NoFlight)??;
     Ok((hub, flight))
-}
-
-fn loopback(host: &str) -> Result<IpAddr, ServerError> {
-    if host.eq_ignore_ascii_case("localhost") {
-        return Ok(IpAddr::V4(Ipv4Addr::LOCALHOST));
-    }
-    match host.trim_matches(['[', ']']).parse::<IpAddr>() {
-        Ok(address) if address.is_loopback() => Ok(address),
-        _ => Err(ServerError::BeyondLoopback { found: host.chars().take(100).collect() }),
-    }
-}
-
-fn listen(address: SocketAddr) -> Result<TcpListener, ServerError> {
-    let open = || {
-        let socket = if address.is_ipv4() { TcpSocket::new_v4() } else { TcpSocket::new_v6() }?;
-        // A server that was killed leaves connections in TIME_WAIT; its successor may have the port at once.
-        #[cfg(unix)]
-        socket.set_reuseaddr(true)?;
-        socket.set_send_buffer_size(SEND_BUFFER)?;
-        socket.bind(address)?;
-        socket.listen(BACKLOG)
-    };
-    open().map_err(|source: std::io::Error| match source.kind() {
-        std::io::ErrorKind::AddrInUse => {
-            ServerError::PortInUse { address: address.ip(), port: address.port() }
-        }
-        _ => ServerError::Listen { address, source },
-    })
-}
-
-impl Running {
-    /// Where it listens.
-    pub fn address(&self) -> SocketAddr {
-        self.address
-    }
-
-    /// Waits for Ctrl+C (or a request to end by the system), then stops.
-    ///
-    /// # Errors
-    /// [`ServerError::System`] if signals cannot be received.
-    pub fn wait(self) -> Result<(), ServerError> {
-        if let Some(runtime) = &self.runtime {
-            runtime.block_on(signal())?;
-        }
-        self.stop();
-        Ok(())
-    }
-
-    /// Lands, closes the recording and every connection.
-    pub fn stop(mut self) {
-        self.shut_down();
-    }
-
-    fn shut_down(&mut self) {
-        self.landing.store(true, Ordering::Relaxed);
-        self.hub.close_all("the server stops");
-        if self.flight.take().is_some_and(|flight| flight.join().is_err()) {
-            tracing::error!("the flight thread failed; its message is above");
-        }
-        if let Some(shutdown) = self.shutdown.take() {
-            // Refused only if the server task has ended already.
-            let _ = shutdown.send(());
-        }
-        if let Some(runtime) = self.runtime.take() {
-            runtime.shutdown_timeout(SHUTDOWN_TIMEOUT);
-        }
-    }
-}
-
-impl Drop for Running {
-    fn drop(&mut self) {
-        self.shut_down();
-    }
-}
-
-#[cfg(unix)]
-async fn signal() -> std::io::Result<()> {
-    use tokio::signal::unix::{SignalKind, signal};
-    let mut terminate = signal(SignalKind::terminate())?;
-    tokio::select! {
-        pressed = tokio::signal::ctrl_c() => pressed,
-        _ = terminate.recv() => Ok(()),
-    }
-}
-
-#[cfg(not(unix))]
-async fn signal() -> std::io::Result<()> {
-    tokio::signal::ctrl_c().await
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn only_loopback_is_served() {
-        for host in ["localhost", "127.0.0.1", "::1", "[::1]", "127.1.2.3"] {
-            assert!(loopback(host).is_ok(), "{host}");
-        }
-        for host in ["0.0.0.0", "::", "192.168.1.5", "example.org", ""] {
-            let error = loopback(host).unwrap_err().to_string();
-            assert!(error.contains("anybody who reaches the port can fly"), "{host}: {error}");
-        }
-    }
 }

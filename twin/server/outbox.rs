@@ -7,19 +7,41 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use crate::server::hub::Published;
+use crate::server::protocol::ServerMessage;
 use crate::server::telemetry::{Picture, Telemetry};
 
 /// Rows that wait at most: 5 s of flight.
 pub(super) const MOST_ROWS: usize = 512;
 
+/// Rows of the past that a new client is given: a minute of flight.
+const PAST_ROWS: usize = 6000;
+
 /// Messages that wait at most.
 pub(super) const MOST_MESSAGES: usize = 512;
+
+/// A message with its JSON text, made once for all clients; those that speak no JSON read the message.
+#[derive(Debug)]
+pub(super) struct Told {
+    /// What is said.
+    pub message: ServerMessage,
+    /// The same as the console reads it.
+    pub text: String,
+}
+
+impl From<ServerMessage> for Told {
+    fn from(message: ServerMessage) -> Self {
+        let text = serde_json::to_string(&message)
+            .inspect_err(|error| tracing::error!("a message has no JSON form: {error}"))
+            .unwrap_or_default();
+        Self { message, text }
+    }
+}
 
 /// A message that waits.
 #[derive(Clone, Debug)]
 pub(super) enum Message {
-    /// JSON, shared by all clients.
-    Json(Arc<str>),
+    /// Shared by all clients.
+    Told(Arc<Told>),
     /// A `hello`, to be written out for this client.
     Hello(Arc<Published>),
 }
@@ -33,11 +55,37 @@ pub(super) struct Farewell {
     pub reason: String,
 }
 
+/// The newest rows of a flight with its picture, for clients that join later.
+#[derive(Debug, Default)]
+pub(super) struct Past {
+    rows: VecDeque<Arc<[f32]>>,
+    first_tick: u64,
+    picture: Option<Arc<Picture>>,
+}
+
+impl Past {
+    /// Remembers a tick; one that does not follow the last begins a new past.
+    pub(super) fn push_tick(&mut self, tick: u64, row: Arc<[f32]>, picture: Arc<Picture>) {
+        if tick != self.first_tick + self.rows.len() as u64 {
+            self.rows.clear();
+            self.first_tick = tick;
+        }
+        if self.rows.len() == PAST_ROWS {
+            self.rows.pop_front();
+            self.first_tick += 1;
+        }
+        self.rows.push_back(row);
+        self.picture = Some(picture);
+    }
+}
+
 /// What waits for one client.
 #[derive(Debug, Default)]
 pub(super) struct Outbox {
     messages: VecDeque<Message>,
     rows: VecDeque<Arc<[f32]>>,
+    /// How many of `rows` came with the past, and do not count as waiting.
+    past_rows: usize,
     first_tick: u64,
     gap: u32,
     reset: bool,
@@ -63,13 +111,21 @@ impl Outbox {
         if self.rows.is_empty() {
             self.first_tick = tick;
         }
-        if self.rows.len() == MOST_ROWS {
+        if self.rows.len() >= MOST_ROWS + self.past_rows {
             self.rows.pop_front();
             self.first_tick += 1;
             self.gap = self.gap.saturating_add(1);
         }
         self.rows.push_back(row);
         self.picture = Some(picture);
+    }
+
+    /// Puts in what a client missed that has only just come.
+    pub(super) fn catch_up(&mut self, past: &Past) {
+        self.rows.clone_from(&past.rows);
+        self.past_rows = past.rows.len();
+        self.first_tick = past.first_tick;
+        self.picture.clone_from(&past.picture);
     }
 
     /// Puts a message in; `false` if too many wait, and then nothing changed.
@@ -91,6 +147,7 @@ impl Outbox {
     /// Throws the rows of the flight before away; the next frame belongs to `schema_id`.
     pub(super) fn begin(&mut self, schema_id: u16, reset: bool) {
         self.rows.clear();
+        self.past_rows = 0;
         self.picture = None;
         self.gap = 0;
         self.reset = reset;
@@ -104,6 +161,7 @@ impl Outbox {
 
     /// Takes all that waits.
     pub(super) fn take(&mut self) -> Parcel {
+        self.past_rows = 0;
         let telemetry = match (&self.picture, self.rows.is_empty()) {
             (Some(picture), false) => Some(Telemetry {
                 schema_id: self.schema_id,
@@ -134,6 +192,7 @@ mod tests {
                 poses: Vec::new(),
                 ghost: [0.0; 7],
                 contacts: Vec::new(),
+                spectrum: Vec::new(),
             };
             outbox.push_tick(tick, [tick as f32].into(), Arc::new(picture));
         }
@@ -141,6 +200,10 @@ mod tests {
 
     fn ticks_of(telemetry: &Telemetry) -> Vec<u64> {
         telemetry.rows.iter().map(|row| row[0] as u64).collect()
+    }
+
+    fn pong(t: f64) -> Message {
+        Message::Told(Arc::new(ServerMessage::Pong { t, t_s: 0.0 }.into()))
     }
 
     #[test]
@@ -193,14 +256,49 @@ mod tests {
     }
 
     #[test]
+    fn a_client_that_comes_late_gets_the_past_once_and_then_what_follows() {
+        let mut past = Past::default();
+        let last = PAST_ROWS as u64 + 40;
+        let mut given = Outbox::default();
+        push(&mut given, 0..last);
+        for (tick, row) in (0..last).map(|tick| (tick, Arc::from([tick as f32]))) {
+            past.push_tick(tick, row, Arc::clone(given.picture.as_ref().unwrap()));
+        }
+        let mut outbox = Outbox::default();
+        outbox.begin(3, false);
+        outbox.catch_up(&past);
+        push(&mut outbox, last..last + MOST_ROWS as u64);
+        let first = outbox.take().telemetry.unwrap();
+        assert_eq!((first.first_tick, first.gap, first.reset), (40, 0, false));
+        assert_eq!(ticks_of(&first), (40..last + MOST_ROWS as u64).collect::<Vec<_>>());
+        // From now on it is a client like any other.
+        push(&mut outbox, 0..MOST_ROWS as u64 + 1);
+        assert_eq!(outbox.take().telemetry.unwrap().gap, 1);
+    }
+
+    #[test]
+    fn a_tick_that_does_not_follow_begins_a_new_past() {
+        let mut past = Past::default();
+        let mut given = Outbox::default();
+        push(&mut given, 0..1);
+        let picture = given.picture.unwrap();
+        for tick in [5, 6, 7, 20, 21, 3] {
+            past.push_tick(tick, [tick as f32].into(), Arc::clone(&picture));
+        }
+        assert_eq!((past.first_tick, past.rows.len()), (3, 1));
+        past.push_tick(4, [4.0].into(), picture);
+        assert_eq!((past.first_tick, past.rows.len()), (3, 2));
+    }
+
+    #[test]
     fn too_many_messages_are_refused_and_none_of_the_waiting_is_lost() {
         let mut outbox = Outbox::default();
         for number in 0..MOST_MESSAGES {
-            assert!(outbox.push_message(Message::Json(number.to_string().into())));
+            assert!(outbox.push_message(pong(number as f64)));
         }
-        assert!(!outbox.push_message(Message::Json("one too many".into())));
+        assert!(!outbox.push_message(pong(-1.0)));
         let messages = outbox.take().messages;
         assert_eq!(messages.len(), MOST_MESSAGES);
-        assert!(matches!(&messages[0], Message::Json(text) if &**text == "0"));
+        assert!(matches!(&messages[0], Message::Told(told) if told.text.contains("\"t\":0.0")));
     }
 }

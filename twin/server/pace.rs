@@ -43,6 +43,14 @@ impl Pace {
         }
     }
 
+    /// How long ago the next tick was due; zero at full speed, where nothing is ever due.
+    pub(super) fn late(&self, now: Instant) -> Duration {
+        match self.speed {
+            None => Duration::ZERO,
+            Some(_) => now.saturating_duration_since(self.due),
+        }
+    }
+
     /// A tick was flown: the next one is due a period after the last deadline, so that delays do not add up. If the machine
     /// cannot keep up, the clock of the flight falls behind instead.
     pub(super) fn ticked(&mut self, now: Instant) {

@@ -13,10 +13,11 @@ use crate::server::command::{Command, Request};
 use crate::server::gains::Change;
 use crate::server::hub::Hub;
 use crate::server::logbook::Logbook;
+use crate::server::metrics::Lateness;
+use crate::server::mirrored::Mirrored;
 use crate::server::pace::{Meter, Pace, STAGES, now};
-use crate::server::protocol::{EventInfo, NoticeLevel, ScenarioInfo, ServerMessage};
+use crate::server::protocol::{EventInfo, NoticeLevel, ScenarioInfo, ServerMessage, StageCost};
 use crate::server::sortie::{Sortie, word};
-use crate::server::telemetry::Picture;
 use crate::tick::{EventKind, Tick};
 
 /// The state is published at least this often, and the thread looks at its requests at least this often.
@@ -25,7 +26,7 @@ const STATE_PERIOD: Duration = Duration::from_millis(400);
 /// Where to start and what else can be flown.
 pub(super) struct Orders {
     /// First flight.
-    pub scenario: Scenario,
+    pub mission: Mission,
     /// What `restart` may name.
     pub catalogue: Vec<Scenario>,
     /// Simulated seconds per second; `None` is as fast as the machine can.
@@ -36,6 +37,19 @@ pub(super) struct Orders {
     pub logbook: Logbook,
 }
 
+/// What is flown first.
+pub(super) enum Mission {
+    /// A simulated vehicle.
+    Fly(Box<Scenario>),
+    /// A recording, from a time on, s.
+    Mirror {
+        /// The recording.
+        mirrored: Arc<Mirrored>,
+        /// Where to start.
+        start_s: f64,
+    },
+}
+
 /// The thread's own state.
 pub(super) struct Pilot {
     sortie: Sortie,
@@ -44,8 +58,11 @@ pub(super) struct Pilot {
     logbook: Logbook,
     pace: Pace,
     meter: Meter,
+    lateness: Lateness,
     paused: bool,
     steps: u32,
+    /// Ticks before the one that was sought, still to be flown at once.
+    warm_up: usize,
     changes: Vec<Change>,
     state_due: Instant,
     schema_id: u16,
@@ -57,8 +74,14 @@ impl Pilot {
     /// # Errors
     /// [`ServerError`] if the scenario cannot be built.
     pub(super) fn new(orders: Orders) -> Result<Self, ServerError> {
-        let Orders { scenario, catalogue, speed, start_paused, logbook } = orders;
-        let sortie = Sortie::new(scenario)?;
+        let Orders { mission, catalogue, speed, start_paused, logbook } = orders;
+        let (sortie, warm_up) = match mission {
+            Mission::Fly(scenario) => (Sortie::new(*scenario)?, 0),
+            Mission::Mirror { mirrored, start_s } => {
+                let (first, warm_up) = mirrored.run_up(start_s);
+                (Sortie::mirror(&mirrored, first, mirrored.shadow.tuning())?, warm_up)
+            }
+        };
         let infos = catalogue.iter().map(|known| ScenarioInfo {
             name: known.name.clone(),
             title: known.settings.title.clone(),
@@ -72,8 +95,10 @@ impl Pilot {
             logbook,
             pace: Pace::new(speed, start),
             meter: Meter::new(start),
+            lateness: Lateness::default(),
             paused: start_paused,
             steps: 0,
+            warm_up,
             changes: Vec::new(),
             state_due: start,
             schema_id: 1,
@@ -102,7 +127,9 @@ impl Pilot {
                 Err(RecvTimeoutError::Disconnected) => break,
             }
             self.apply_changes();
-            if self.is_flying() && (self.steps > 0 || self.pace.wait(now()).is_zero()) {
+            if self.warm_up > 0 {
+                self.warm_up();
+            } else if self.is_flying() && (self.steps > 0 || self.pace.wait(now()).is_zero()) {
                 self.tick();
             }
             if now() >= self.state_due {
@@ -110,6 +137,17 @@ impl Pilot {
             }
         }
         self.end_recording("");
+    }
+
+    /// Flies all ticks before the one that was sought.
+    fn warm_up(&mut self) {
+        self.hub.hold();
+        for _ in 0..std::mem::take(&mut self.warm_up) {
+            self.tick();
+        }
+        self.hub.release();
+        self.pace = Pace::new(self.pace.speed(), now());
+        self.publish_state();
     }
 
     fn is_flying(&self) -> bool {
@@ -129,6 +167,7 @@ impl Pilot {
 
     fn tick(&mut self) {
         let (mut spent, mut last) = ([Duration::ZERO; STAGES.len()], now());
+        self.lateness.count(self.pace.late(last));
         let mut lap = |stage: usize| {
             let done = now();
             spent[stage] += done - last;
@@ -138,27 +177,33 @@ impl Pilot {
         let tick = Arc::new(self.sortie.flight.tick_with(&mut |stage| {
             lap(stage as usize);
         }));
-        self.sortie.next_tick = tick.index + 1;
-        self.sortie.t_s = tick.measurement.t_s;
+        self.sortie.follow(&tick);
+        self.sortie.settle_gains();
         self.steps = self.steps.saturating_sub(1);
         if let Err(error) = self.logbook.tick(&tick) {
             self.alarm(&error.to_string());
         }
-        let Sortie { scene, channels, flight, .. } = &self.sortie;
-        self.hub.tick(&tick, || {
-            (channels.row(&tick, flight.tuning()), Arc::new(Picture::new(scene, &tick)))
-        });
+        self.hub.tick(&tick, || self.sortie.draw(&tick));
         self.publish_events(&tick);
         if self.sortie.task_phase != tick.phase {
             self.sortie.task_phase.clone_from(&tick.phase);
             self.state_due = now();
         }
-        if let Some((verdict, reason)) = self.sortie.judge.watch(&tick) {
-            self.end(word(&verdict), reason);
-        }
+        self.judge(&tick);
         let done = lap(STAGES.len() - 1);
         self.pace.ticked(done);
         self.meter.count(spent);
+    }
+
+    fn judge(&mut self, tick: &Tick) {
+        if self.sortie.mirrored.is_some() {
+            // A recording is not judged; at its end it waits to be played again.
+            self.paused |= tick.finished;
+            self.steps *= u32::from(!tick.finished);
+            self.state_due = if tick.finished { now() } else { self.state_due };
+        } else if let Some((verdict, reason)) = self.sortie.judge.watch(tick) {
+            self.end(word(&verdict), reason);
+        }
     }
 
     fn end(&mut self, verdict: String, reason: String) {
@@ -179,18 +224,25 @@ impl Pilot {
         match request.command {
             Command::Change(change) => self.changes.push(change),
             Command::Pause(paused) => {
+                if !paused && self.is_at_end() {
+                    self.seek(0.0, request.client);
+                }
                 self.paused = paused;
                 self.steps = 0;
                 self.pace = Pace::new(self.pace.speed(), now());
             }
-            Command::Step(ticks) if self.sortie.verdict.is_none() => {
+            Command::Step(ticks) if self.sortie.verdict.is_none() && !self.is_at_end() => {
                 self.paused = true;
                 self.steps = ticks;
             }
             // An ended flight has no next tick, and a restart flies on as the flight before began.
             Command::Step(_) => {}
             Command::Speed(speed) => self.pace = Pace::new(speed, now()),
-            Command::Disturb(disturbance) => self.sortie.flight.disturb(&disturbance),
+            Command::Disturb(disturbance) => self.sortie.disturb(&disturbance),
+            Command::Seek(t_s) => self.seek(t_s, request.client),
+            Command::Restart { .. } if self.sortie.mirrored.is_some() => {
+                self.seek(0.0, request.client);
+            }
             Command::Restart { seed, scenario } => self.restart(seed, scenario, request.client),
         }
         self.state_due = now();
@@ -203,13 +255,36 @@ impl Pilot {
         let changes = std::mem::take(&mut self.changes);
         let Sortie { desk, flight, next_tick, .. } = &mut self.sortie;
         let applied = desk.apply(flight, changes, *next_tick);
-        let (gains, preset) = (desk.list(flight.tuning()), desk.preset(flight.tuning()));
+        let (preset, base) = (desk.preset(flight.tuning()), desk.base());
+        let gains = self.sortie.gains();
         self.hub.publish(|published| {
             published.gains = gains;
             published.preset = preset;
+            published.base = base;
             let echoes = applied.echoes.into_iter().map(ServerMessage::Gain);
             echoes.chain(applied.list.map(ServerMessage::Gains)).collect()
         });
+    }
+
+    /// The last tick of a recording is flown.
+    fn is_at_end(&self) -> bool {
+        let ticks = self.sortie.mirrored.as_ref().map(|mirrored| mirrored.shadow.ticks() as u64);
+        ticks.is_some_and(|ticks| self.sortie.next_tick >= ticks)
+    }
+
+    /// Goes to a time of the recording, with the gains in force.
+    fn seek(&mut self, t_s: f64, client: Option<u64>) {
+        let Some(mirrored) = self.sortie.mirrored.clone() else { return };
+        let (first, warm_up) = mirrored.run_up(t_s);
+        match Sortie::mirror(&mirrored, first, self.sortie.flight.tuning()) {
+            Ok(sortie) => {
+                self.take_off(sortie);
+                self.warm_up = warm_up;
+            }
+            Err(error) => {
+                self.hub.notice(client, NoticeLevel::Error, &format!("seek refused: {error}"));
+            }
+        }
     }
 
     fn restart(&mut self, seed: Option<u64>, name: Option<String>, client: Option<u64>) {
@@ -229,6 +304,7 @@ impl Pilot {
     fn take_off(&mut self, sortie: Sortie) {
         self.end_recording("");
         self.sortie = sortie;
+        self.lateness = Lateness::default();
         self.changes.clear();
         self.steps = 0;
         // Zero is left out, so that no frame of before is taken for one of now.
@@ -268,7 +344,12 @@ impl Pilot {
         self.hub.publish(|published| {
             self.sortie.describe(&mut published.state, self.pace.speed(), self.paused);
             published.state.real_time_factor = reading.real_time_factor;
-            published.cost_ms = reading.cost_ms;
+            published.lateness = self.lateness;
+            published.state.stages = STAGES
+                .into_iter()
+                .zip(reading.cost_ms)
+                .map(|(name, ms)| StageCost { name: name.to_owned(), ms })
+                .collect();
             vec![ServerMessage::State(published.state.clone())]
         });
         self.state_due = start + STATE_PERIOD;

@@ -1,4 +1,4 @@
-//! The JSON messages of `/ws`, version 1. `web/src/protocol.ts` is generated from this file and kept fresh by a test.
+//! The JSON messages of `/ws`, version 2. `web/src/protocol.ts` is generated from this file and kept fresh by a test.
 
 use serde::{Deserialize, Serialize};
 use ts_rs::TS;
@@ -8,7 +8,7 @@ use crate::source::Disturbance;
 use crate::tick::EventKind;
 
 /// Version of messages and telemetry; a client of another version asks its user to reload.
-pub const PROTOCOL_VERSION: u8 = 1;
+pub const PROTOCOL_VERSION: u8 = 2;
 
 /// Events that a new client is told.
 pub const EVENTS_KEPT: usize = 200;
@@ -86,6 +86,11 @@ pub enum ClientMessage {
         /// Any number; it comes back.
         t: f64,
     },
+    /// Goes to a time of a mirrored recording: histories start anew some seconds before it.
+    Seek {
+        /// Time of the recording, s; beyond its ends the end is meant.
+        t_s: f64,
+    },
     /// Changes the world between two ticks.
     Disturb {
         /// What to change.
@@ -142,6 +147,12 @@ pub struct Hello {
     pub scenarios: Vec<ScenarioInfo>,
     /// Period of a tick, s.
     pub tick_s: f64,
+    /// How far the channels `ahead.*` look into the future, ticks.
+    pub horizon_ticks: u32,
+    /// Effects that a disturbance of kind `effect` may switch.
+    pub effects: Vec<String>,
+    /// The recording that is mirrored; `null` if a simulated vehicle flies.
+    pub mirror: Option<MirrorInfo>,
     /// What to draw.
     pub scene: Scene,
     /// Channels in the order of a telemetry row.
@@ -156,6 +167,33 @@ pub struct Hello {
     pub events: Vec<EventInfo>,
 }
 
+/// A real flight from a recording: the loop predicts and adapts beside it, and acts on nothing.
+#[derive(Clone, Debug, PartialEq, Serialize, TS)]
+pub struct MirrorInfo {
+    /// Name of the file.
+    pub file: String,
+    /// Name of the map that says which messages mean what.
+    pub map: String,
+    /// Name of the vehicle.
+    pub vehicle: String,
+    /// What is drawn instead of the vehicle's own shape, one sentence.
+    pub stand_in: String,
+    /// What the ghost is, one sentence.
+    pub ghost: String,
+    /// What predicts, one sentence.
+    pub predictor: String,
+    /// Where the applied force comes from, one sentence.
+    pub force: String,
+    /// Rows whose residual is never known; their channels are NaN.
+    pub unknown_rows: Vec<String>,
+    /// Ticks of the recording.
+    pub ticks: u64,
+    /// Time of the recording, s.
+    pub duration_s: f64,
+    /// What was found wrong or left out, a sentence each.
+    pub notes: Vec<String>,
+}
+
 /// A scenario that can be flown.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, TS)]
 pub struct ScenarioInfo {
@@ -166,7 +204,7 @@ pub struct ScenarioInfo {
 }
 
 /// One number of a telemetry row.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, TS)]
+#[derive(Clone, Debug, PartialEq, Serialize, TS)]
 pub struct ChannelInfo {
     /// Unique name, `residual.x`.
     pub name: String,
@@ -178,6 +216,10 @@ pub struct ChannelInfo {
     pub unit: String,
     /// Coordinate it belongs to.
     pub row: Option<String>,
+    /// Smallest and largest value that the hardware allows, in the unit of the channel.
+    pub limits: Option<[f64; 2]>,
+    /// Residuals divided by this are z-scores, in the unit of the channel.
+    pub z_scale: Option<f64>,
 }
 
 /// One value an operator may change.
@@ -268,6 +310,23 @@ pub struct StateInfo {
     pub real_time_factor: f64,
     /// Clients connected.
     pub clients: usize,
+    /// Where the time of a tick goes.
+    pub stages: Vec<StageCost>,
+    /// Mass of the payload, kg; `null` without one.
+    pub payload_kg: Option<f64>,
+    /// Mean wind in the world, m/s.
+    pub wind_m_s: [f64; 3],
+    /// Effects that are switched off.
+    pub effects_off: Vec<String>,
+}
+
+/// What one stage of a tick costs.
+#[derive(Clone, Debug, PartialEq, Serialize, TS)]
+pub struct StageCost {
+    /// Name of the stage.
+    pub name: String,
+    /// Mean wall-clock time per tick since the state before, ms.
+    pub ms: f64,
 }
 
 /// Whether ticks are flown.

@@ -5,12 +5,23 @@ use std::sync::Arc;
 
 use crate::flight::Flight;
 use crate::mirror::scene::Scene;
+use crate::mirror::stand_in;
+use crate::notation::TICK_S;
 use crate::scenario::{BuildError, Judge, Scenario};
-use crate::server::channels::Channels;
+use crate::server::channels::{Channels, Sample};
 use crate::server::gains::Desk;
 use crate::server::hub::Published;
-use crate::server::pace::STAGES;
-use crate::server::protocol::{FlightPhase, ScenarioInfo, StateInfo};
+use crate::server::metrics::Lateness;
+use crate::server::mirrored::{self, Mirrored};
+use crate::server::protocol::{FlightPhase, GainInfo, ScenarioInfo, StateInfo};
+use crate::server::telemetry::Picture;
+use crate::server::world::World;
+use crate::source::Disturbance;
+use crate::tick::Tick;
+use crate::tuning::Tuning;
+
+/// The covariance is decomposed every so many ticks, and at a reset.
+const SPECTRUM_TICKS: u64 = 10;
 
 /// One flight.
 pub(super) struct Sortie {
@@ -26,6 +37,14 @@ pub(super) struct Sortie {
     pub scene: Arc<Scene>,
     /// What to plot.
     pub channels: Channels,
+    /// The recording, if one is mirrored.
+    pub mirrored: Option<Arc<Mirrored>>,
+    /// Payload, wind and effects.
+    pub world: World,
+    /// Eigenvalues of the adapter's covariance, largest first.
+    spectrum: Vec<f64>,
+    /// A push lasts until this tick.
+    push_ends: u64,
     /// Number of the next tick.
     pub next_tick: u64,
     /// Simulated time of the last tick, s.
@@ -47,12 +66,53 @@ impl Sortie {
         Ok(Self {
             judge: Judge::new(&scenario.settings),
             desk: Desk::new(&scenario, flight.tuning()),
-            channels: Channels::new(scene.rotors.len()),
+            channels: Channels::new(
+                scene.rotors.len(),
+                &scenario.actuator_limits()?,
+                &flight.predictor().info(),
+            ),
+            mirrored: None,
+            world: World::new(&scenario.settings),
+            spectrum: Vec::new(),
+            push_ends: 0,
             scene,
             flight,
             scenario,
             next_tick: 0,
             t_s: 0.0,
+            task_phase: String::new(),
+            verdict: None,
+        })
+    }
+
+    /// A recording in shadow from tick `first` on, under `tuning`.
+    ///
+    /// # Errors
+    /// [`BuildError`] if there is no such tick.
+    pub(super) fn mirror(
+        mirrored: &Arc<Mirrored>,
+        first: usize,
+        tuning: &Tuning,
+    ) -> Result<Self, BuildError> {
+        let flight = mirrored.shadow.flight(first, tuning).ok_or(BuildError::Unfit {
+            key: "recording",
+            reason: format!("has no tick {first}"),
+        })?;
+        let scenario = Scenario::of_recording(&mirrored.name, &mirrored.path)?;
+        let scene = Arc::new(stand_in());
+        Ok(Self {
+            judge: Judge::new(&scenario.settings),
+            desk: Desk::new(&scenario, flight.tuning()),
+            channels: Channels::mirrored(scene.rotors.len(), mirrored.shadow.scale()),
+            mirrored: Some(Arc::clone(mirrored)),
+            world: World::new(&scenario.settings),
+            spectrum: Vec::new(),
+            push_ends: 0,
+            scene,
+            flight,
+            scenario,
+            next_tick: first as u64,
+            t_s: first as f64 * TICK_S,
             task_phase: String::new(),
             verdict: None,
         })
@@ -77,19 +137,32 @@ impl Sortie {
             reason: None,
             real_time_factor: 0.0,
             clients: 0,
+            stages: Vec::new(),
+            payload_kg: None,
+            wind_m_s: [0.0; 3],
+            effects_off: Vec::new(),
         };
         self.describe(&mut state, speed, paused);
         Published {
             schema_id: 1,
+            mirror: self.mirrored.as_ref().map(|mirrored| Arc::new(mirrored.info.clone())),
             scenarios,
             scene: Arc::clone(&self.scene),
             channels: Arc::clone(self.channels.infos()),
-            gains: self.desk.list(self.flight.tuning()),
+            gains: self.gains(),
             preset: self.desk.preset(self.flight.tuning()),
+            base: self.desk.base(),
             state,
+            lateness: Lateness::default(),
             events: VecDeque::new(),
-            cost_ms: [0.0; STAGES.len()],
         }
+    }
+
+    /// Gains that can be changed: beside a recording those of the adapter alone.
+    pub(super) fn gains(&self) -> Vec<GainInfo> {
+        let mut gains = self.desk.list(self.flight.tuning());
+        gains.retain(|gain| self.mirrored.is_none() || mirrored::acts_in_shadow(&gain.name));
+        gains
     }
 
     /// How the flight stands.
@@ -108,6 +181,48 @@ impl Sortie {
         state.task_phase.clone_from(&self.task_phase);
         state.verdict = verdict;
         state.reason = reason;
+        self.world.describe(state);
+    }
+
+    /// The flight has flown `tick`.
+    pub(super) fn follow(&mut self, tick: &Tick) {
+        self.next_tick = tick.index + 1;
+        self.t_s = tick.measurement.t_s;
+        self.world.advance(self.t_s);
+        if tick.index.is_multiple_of(SPECTRUM_TICKS) || tick.adapted.reset {
+            self.spectrum = self.flight.covariance_spectrum();
+        }
+    }
+
+    /// Gain changes that have come to rest become events of the next tick.
+    pub(super) fn settle_gains(&mut self) {
+        self.desk.settle(&mut self.flight, self.next_tick);
+    }
+
+    /// The row and the picture of a tick.
+    pub(super) fn draw(&self, tick: &Tick) -> (Arc<[f32]>, Arc<Picture>) {
+        let sample = Sample { tick, tuning: self.flight.tuning(), spectrum: &self.spectrum };
+        let (row, mut picture) =
+            (self.channels.row(&sample), Picture::new(&self.scene, tick, &self.spectrum));
+        let Some(mirrored) = &self.mirrored else { return (row, Arc::new(picture)) };
+        let index = tick.index as usize;
+        if !mirrored.is_seen(index) {
+            picture.hide();
+        }
+        (mirrored.mask(self.channels.infos(), &row, index), Arc::new(picture))
+    }
+
+    /// Changes the world. A push that is repeated while it lasts is one event.
+    pub(super) fn disturb(&mut self, disturbance: &Disturbance) {
+        self.world.change(disturbance);
+        if let Disturbance::Push { duration_s, .. } = disturbance {
+            let goes_on = self.next_tick < self.push_ends;
+            self.push_ends = self.next_tick + (duration_s / TICK_S).ceil() as u64;
+            if goes_on {
+                return self.flight.prolong(disturbance);
+            }
+        }
+        self.flight.disturb(disturbance);
     }
 }
 

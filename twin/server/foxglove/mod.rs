@@ -1,0 +1,203 @@
+//! A WebSocket server for Foxglove beside the console, on its own port.
+//!
+//! In: what the hub has for every client, of which this is one. Out: the topics of a recording (`/tf`, `/scene`,
+//! `/joint_states`, `/log`), the telemetry row as JSON (`/twin/telemetry`), simulated time, the gains as parameters, which
+//! are set through the same check and the same queue as those of the console, the timeline of a mirrored recording
+//! ([`playback`]), and the vehicle's files ([`assets`]). The flight never waits for it: it
+//! reads from its own bounded outbox, and each Foxglove client has a bounded backlog that drops its oldest messages.
+
+mod assets;
+mod parameters;
+mod playback;
+mod topics;
+
+use std::collections::BTreeMap;
+use std::net::{IpAddr, SocketAddr};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use foxglove::websocket::{
+    Capability, ChannelView, Parameter, PlaybackControlRequest, PlaybackState, ServerListener,
+    Status,
+};
+use foxglove::{Context, WebSocketServer, WebSocketServerHandle};
+use tokio::task::JoinHandle;
+
+use crate::scenario::VehicleFiles;
+use crate::server::App;
+use crate::server::foxglove::assets::Assets;
+use crate::server::foxglove::parameters::{Gains, parameters};
+use crate::server::foxglove::playback::{Film, Playback};
+use crate::server::foxglove::topics::{Topics, nanoseconds};
+use crate::server::hub::Client;
+use crate::server::outbox::{Message, Parcel};
+use crate::server::protocol::ServerMessage;
+use crate::server::telemetry::Telemetry;
+
+/// Batches are at least this far apart.
+const GAP: Duration = Duration::from_millis(5);
+
+/// Messages that may wait for one Foxglove client: about two seconds of everything.
+const BACKLOG: usize = 1024;
+
+/// Identifier of the one status line, so that a new refusal replaces the last.
+const STATUS: &str = "twin";
+
+/// Clients get this long to take the end.
+const CLOSING: Duration = Duration::from_millis(500);
+
+/// What Foxglove's own threads tell.
+struct Listener {
+    bridge: Arc<Client>,
+    /// Somebody subscribed and has not seen what stands still.
+    waiting: AtomicBool,
+    playback: Option<Arc<Playback>>,
+}
+
+impl ServerListener for Listener {
+    fn on_subscribe(&self, _: foxglove::websocket::Client, _: ChannelView) {
+        self.waiting.store(true, Ordering::Relaxed);
+        self.bridge.wake.notify_one();
+    }
+
+    fn on_playback_control_request(
+        &self,
+        request: PlaybackControlRequest,
+    ) -> Option<PlaybackState> {
+        self.playback.as_ref().map(|playback| playback.obey(&request))
+    }
+}
+
+/// Listens on `port`, 0 for any free one, and returns where, with the task that ends when the hub closes everything;
+/// `vehicles` has the files of each scenario's vehicle.
+///
+/// # Errors
+/// A sentence if it cannot listen, or if there is no room for another client.
+pub(super) async fn start(
+    host: IpAddr,
+    port: u16,
+    app: Arc<App>,
+    vehicles: BTreeMap<String, VehicleFiles>,
+) -> Result<(SocketAddr, JoinHandle<()>), String> {
+    let bridge = app.hub.join().ok_or("too many clients")?;
+    let playback = Playback::new(&app, &bridge).map(Arc::new);
+    let listener = Arc::new(Listener {
+        bridge: Arc::clone(&bridge),
+        waiting: AtomicBool::new(false),
+        playback: playback.clone(),
+    });
+    let vehicles = Arc::new(vehicles);
+    let context = Context::new();
+    let assets = Assets::new(Arc::clone(&app.hub), Arc::clone(&vehicles));
+    let mut server = WebSocketServer::new()
+        .name("twin")
+        .bind(if host.is_ipv6() { format!("[{host}]") } else { host.to_string() }, port)
+        .context(&context)
+        .capabilities([Capability::Time])
+        .message_backlog_size(BACKLOG)
+        .listener(Arc::clone(&listener) as Arc<dyn ServerListener>)
+        .fetch_asset_handler_blocking_fn(move |_, address: String| assets.read(&address))
+        .parameter_handler(Arc::new(Gains::new(Arc::clone(&app), Arc::clone(&bridge))));
+    if let Some(playback) = &playback {
+        let (start, end) = playback.range();
+        server = server.playback_time_range(start, end);
+    }
+    let server = server.start().await.map_err(|error| {
+        app.hub.leave(bridge.id);
+        error.to_string()
+    })?;
+    let address = SocketAddr::new(host, server.port());
+    let film = playback.map(Film::new);
+    let publisher = Publisher { server, topics: Topics::new(&context, vehicles), film };
+    Ok((address, tokio::spawn(publisher.run(listener, app))))
+}
+
+/// Tells Foxglove's clients what the hub tells its own.
+struct Publisher {
+    server: WebSocketServerHandle,
+    topics: Topics,
+    film: Option<Film>,
+}
+
+impl Publisher {
+    /// Tells what waits in the outbox until the hub closes it.
+    async fn run(mut self, listener: Arc<Listener>, app: Arc<App>) {
+        let bridge = &listener.bridge;
+        loop {
+            bridge.wake.notified().await;
+            let mut parcel = bridge.outbox().take();
+            let ends = parcel.farewell.take().is_some();
+            self.tell(parcel);
+            if listener.waiting.swap(false, Ordering::Relaxed) {
+                self.topics.repeat();
+            }
+            if ends {
+                break;
+            }
+            tokio::time::sleep(GAP).await;
+        }
+        app.hub.leave(bridge.id);
+        // Clients that do not take it are dropped with the runtime.
+        let _ = tokio::time::timeout(CLOSING, self.server.stop().wait()).await;
+    }
+
+    fn tell(&mut self, parcel: Parcel) {
+        for message in parcel.messages {
+            match message {
+                Message::Hello(published) => {
+                    self.topics.begin(&published);
+                    self.server.publish_parameter_values(parameters(&published.gains));
+                }
+                Message::Told(told) => self.pass_on(&told.message),
+            }
+        }
+        let telemetry = match (&mut self.film, parcel.telemetry) {
+            (Some(film), Some(telemetry)) => film.cut(telemetry),
+            (_, telemetry) => telemetry,
+        };
+        self.publish(telemetry);
+    }
+
+    fn pass_on(&mut self, message: &ServerMessage) {
+        match message {
+            ServerMessage::Gain(echo) => {
+                let gain = Parameter::float64(&echo.name, echo.value);
+                self.server.publish_parameter_values(vec![gain]);
+            }
+            ServerMessage::Gains(list) => {
+                self.server.publish_parameter_values(parameters(&list.gains));
+            }
+            ServerMessage::Events { events } => {
+                if !self.film.as_ref().is_some_and(Film::is_under_way) {
+                    self.topics.log(events);
+                }
+            }
+            ServerMessage::Notice(notice) => {
+                self.server.publish_status(Status::warning(&notice.text).with_id(STATUS));
+            }
+            ServerMessage::Reset {} => match &mut self.film {
+                Some(film) => film.reset(),
+                // Time runs backwards now; a new session makes clients forget what they have.
+                None => self.server.clear_session(None),
+            },
+            ServerMessage::State(state) => {
+                if let Some(film) = &mut self.film {
+                    let (news, reached) = film.follow(state);
+                    if let Some(news) = news {
+                        self.server.broadcast_playback_state(news);
+                    }
+                    self.publish(reached);
+                }
+            }
+            ServerMessage::Hello(_) | ServerMessage::Pong { .. } => {}
+        }
+    }
+
+    fn publish(&mut self, telemetry: Option<Telemetry>) {
+        if let Some(telemetry) = telemetry {
+            self.server.broadcast_time(nanoseconds(telemetry.picture.t_s));
+            self.topics.publish(&telemetry);
+        }
+    }
+}

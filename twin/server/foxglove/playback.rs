@@ -1,0 +1,207 @@
+//! Playback of a mirrored recording: what Foxglove's timeline asks for, and what it is told.
+//!
+//! A seek flies the shadow from some seconds before its target; those rows go to the console's charts, but here a row before
+//! the target would be a message from before the time that was asked for, so they are left out.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use foxglove::websocket::{PlaybackCommand, PlaybackControlRequest, PlaybackState, PlaybackStatus};
+
+use crate::server::App;
+use crate::server::foxglove::topics::nanoseconds;
+use crate::server::hub::Client;
+use crate::server::protocol::{ClientMessage, FlightPhase, MirrorInfo, StateInfo};
+use crate::server::telemetry::Telemetry;
+
+/// Speeds travel as f32.
+const SAME_SPEED: f64 = 1e-4;
+
+/// The timeline's side: requests come from Foxglove's threads.
+pub(super) struct Playback {
+    app: Arc<App>,
+    bridge: Arc<Client>,
+    info: Arc<MirrorInfo>,
+    /// The seek under way was asked for here, and its answer said so.
+    announced: AtomicBool,
+}
+
+impl Playback {
+    /// `None` if no recording is mirrored.
+    pub(super) fn new(app: &Arc<App>, bridge: &Arc<Client>) -> Option<Self> {
+        Some(Self {
+            info: app.hub.published().mirror?,
+            app: Arc::clone(app),
+            bridge: Arc::clone(bridge),
+            announced: AtomicBool::new(false),
+        })
+    }
+
+    /// First and last time of the recording, ns.
+    pub(super) fn range(&self) -> (u64, u64) {
+        (0, nanoseconds(self.info.duration_s))
+    }
+
+    /// Passes a request on to the flight, as if the console had sent it, and says what is to be expected; what comes of it
+    /// is told when the flight has done it.
+    pub(super) fn obey(&self, request: &PlaybackControlRequest) -> PlaybackState {
+        let mut answer = self.state(&self.app.hub.published().state, false);
+        let speed = f64::from(request.playback_speed);
+        if (speed - f64::from(answer.playback_speed)).abs() > SAME_SPEED || speed.is_nan() {
+            self.app.obey(ClientMessage::Speed { value: Some(speed) }, &self.bridge);
+        }
+        if let Some(time) = request.seek_time {
+            self.announced.store(true, Ordering::Relaxed);
+            self.app.obey(ClientMessage::Seek { t_s: time as f64 * 1e-9 }, &self.bridge);
+            answer.current_time = time;
+            answer.did_seek = true;
+        }
+        let paused = request.playback_command == PlaybackCommand::Pause;
+        self.app.obey(ClientMessage::Pause { paused }, &self.bridge);
+        answer.status = match (request.seek_time, paused) {
+            (Some(_), _) => PlaybackStatus::Buffering,
+            (None, true) => PlaybackStatus::Paused,
+            (None, false) => PlaybackStatus::Playing,
+        };
+        answer
+    }
+
+    /// How playback stands.
+    fn state(&self, state: &StateInfo, did_seek: bool) -> PlaybackState {
+        let status = match state.phase {
+            FlightPhase::Flying => PlaybackStatus::Playing,
+            _ if state.tick >= self.info.ticks => PlaybackStatus::Ended,
+            _ => PlaybackStatus::Paused,
+        };
+        // As fast as the machine can is told as what came of it.
+        let speed = state.speed.unwrap_or(state.real_time_factor) as f32;
+        PlaybackState {
+            status,
+            current_time: nanoseconds(state.t_s),
+            playback_speed: if speed > 0.0 { speed } else { 1.0 },
+            did_seek,
+            request_id: None,
+        }
+    }
+}
+
+/// Where a seek stands.
+enum Seek {
+    None,
+    /// The shadow flies up to its target; the newest row so far may be the target's.
+    UnderWay(Option<Telemetry>),
+    /// This tick was sought; its row is still to come.
+    Reached(u64),
+}
+
+/// The publisher's side.
+pub(super) struct Film {
+    playback: Arc<Playback>,
+    seek: Seek,
+    told: Option<(PlaybackStatus, u32)>,
+}
+
+impl Film {
+    /// The recording may start in its middle, which is a seek.
+    pub(super) fn new(playback: Arc<Playback>) -> Self {
+        Self { playback, seek: Seek::UnderWay(None), told: None }
+    }
+
+    /// The flight starts anew, on its way to a target.
+    pub(super) fn reset(&mut self) {
+        self.seek = Seek::UnderWay(None);
+    }
+
+    /// Nothing of what happens now is to be told.
+    pub(super) fn is_under_way(&self) -> bool {
+        matches!(self.seek, Seek::UnderWay(_))
+    }
+
+    /// What is new to tell about how playback stands, and the row of a target that was reached.
+    pub(super) fn follow(
+        &mut self,
+        state: &StateInfo,
+    ) -> (Option<PlaybackState>, Option<Telemetry>) {
+        let reached = match std::mem::replace(&mut self.seek, Seek::None) {
+            Seek::UnderWay(newest) => {
+                let target = state.tick.saturating_sub(1);
+                let row = newest.and_then(|telemetry| since(telemetry, target));
+                self.seek = if row.is_some() { Seek::None } else { Seek::Reached(target) };
+                let announced = self.playback.announced.swap(false, Ordering::Relaxed);
+                Some((!announced, row))
+            }
+            other => {
+                self.seek = other;
+                None
+            }
+        };
+        let (did_seek, row) = reached.unwrap_or((false, None));
+        let now = self.playback.state(state, did_seek);
+        let key = Some((now.status, (now.playback_speed * 100.0).round() as u32));
+        let news = did_seek || row.is_some() || key != self.told;
+        self.told = key;
+        (news.then_some(now), row)
+    }
+
+    /// What of these rows is to be told now.
+    pub(super) fn cut(&mut self, telemetry: Telemetry) -> Option<Telemetry> {
+        match self.seek {
+            Seek::None => Some(telemetry),
+            Seek::UnderWay(ref mut newest) => {
+                *newest = Some(telemetry);
+                None
+            }
+            Seek::Reached(target) => {
+                let rest = since(telemetry, target)?;
+                self.seek = Seek::None;
+                Some(rest)
+            }
+        }
+    }
+}
+
+/// The rows from `tick` on.
+fn since(mut telemetry: Telemetry, tick: u64) -> Option<Telemetry> {
+    let before = tick.saturating_sub(telemetry.first_tick) as usize;
+    if before >= telemetry.rows.len() {
+        return None;
+    }
+    telemetry.rows.drain(..before);
+    telemetry.first_tick += before as u64;
+    Some(telemetry)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::server::telemetry::Picture;
+
+    #[test]
+    fn rows_before_the_target_of_a_seek_are_left_out() {
+        let picture = Picture {
+            t_s: 0.0,
+            poses: Vec::new(),
+            ghost: [0.0; 7],
+            contacts: Vec::new(),
+            spectrum: Vec::new(),
+        };
+        let telemetry = || Telemetry {
+            schema_id: 1,
+            first_tick: 10,
+            rows: (10..15).map(|tick| [tick as f32].into()).collect(),
+            gap: 0,
+            reset: false,
+            picture: Arc::new(picture.clone()),
+        };
+        let from = |tick| {
+            since(telemetry(), tick).map(|rest| {
+                let rows: Vec<u64> = rest.rows.iter().map(|row| row[0] as u64).collect();
+                (rest.first_tick, rows)
+            })
+        };
+        assert_eq!(from(3), Some((10, vec![10, 11, 12, 13, 14])));
+        assert_eq!(from(12), Some((12, vec![12, 13, 14])));
+        assert_eq!(from(14), Some((14, vec![14])));
+        assert_eq!(from(15), None);
+    }
+}

@@ -1,0 +1,99 @@
+//! `/metrics` in the text format of Prometheus: how the flight keeps its time, and who watches.
+
+use std::fmt::Write as _;
+use std::time::Duration;
+
+use crate::server::hub::Published;
+
+/// Upper edges of the classes of lateness, ms.
+const EDGES_MS: [f64; 9] = [0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 25.0, 100.0];
+
+/// How late ticks began after their deadline.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Lateness {
+    counts: [u64; EDGES_MS.len() + 1],
+    sum_s: f64,
+    max_s: f64,
+}
+
+impl Lateness {
+    /// A tick began this long after its deadline.
+    pub(super) fn count(&mut self, late: Duration) {
+        let late_s = late.as_secs_f64();
+        let class = EDGES_MS.iter().position(|edge| late_s * 1e3 <= *edge);
+        self.counts[class.unwrap_or(EDGES_MS.len())] += 1;
+        self.sum_s += late_s;
+        self.max_s = self.max_s.max(late_s);
+    }
+}
+
+/// The page.
+pub(super) fn text(published: &Published, uptime_s: f64) -> String {
+    let state = &published.state;
+    let mut text = String::new();
+    let mut line = |kind: &str, name: &str, help: &str, values: &[(String, f64)]| {
+        let _ = writeln!(text, "# HELP twin_{name} {help}\n# TYPE twin_{name} {kind}");
+        for (labels, value) in values {
+            let _ = writeln!(text, "twin_{name}{labels} {value}");
+        }
+    };
+    let one = |value: f64| [(String::new(), value)];
+    line("counter", "uptime_seconds", "Time since the server started.", &one(uptime_s));
+    line("gauge", "clients", "Consoles and viewers connected.", &one(state.clients as f64));
+    line("gauge", "ticks", "Ticks flown in this flight.", &one(state.tick as f64));
+    let factor = state.real_time_factor;
+    line("gauge", "real_time_factor", "Simulated seconds per second.", &one(factor));
+    let stage = |(name, ms): (&str, f64)| (format!("{{stage=\"{name}\"}}"), ms / 1e3);
+    let stages: Vec<_> = state.stages.iter().map(|s| stage((&s.name, s.ms))).collect();
+    line("gauge", "stage_seconds", "Mean time of a stage of a tick.", &stages);
+    histogram(&mut text, &published.lateness);
+    text
+}
+
+fn histogram(text: &mut String, lateness: &Lateness) {
+    let name = "twin_tick_lateness_seconds";
+    let _ = writeln!(
+        text,
+        "# HELP {name} How late a tick began after its deadline.\n# TYPE {name} histogram"
+    );
+    let mut total = 0;
+    let edges = EDGES_MS.iter().map(|ms| format!("{}", ms / 1e3)).chain(["+Inf".to_owned()]);
+    for (edge, count) in edges.zip(lateness.counts) {
+        total += count;
+        let _ = writeln!(text, "{name}_bucket{{le=\"{edge}\"}} {total}");
+    }
+    let _ = writeln!(text, "{name}_sum {}\n{name}_count {total}", lateness.sum_s);
+    let _ = writeln!(
+        text,
+        "# HELP twin_tick_lateness_max_seconds Latest start of a tick.\n# TYPE twin_tick_lateness_max_seconds gauge\n\
+        twin_tick_lateness_max_seconds {}",
+        lateness.max_s
+    );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn classes_add_up_and_an_edge_belongs_to_its_class() {
+        let mut lateness = Lateness::default();
+        for ms in [0.05, 0.1, 0.2, 30.0, 500.0] {
+            lateness.count(Duration::from_secs_f64(ms / 1e3));
+        }
+        let mut text = String::new();
+        histogram(&mut text, &lateness);
+        let value = |line: &str| {
+            let found = text.lines().find_map(|l| l.strip_prefix(line)).expect(line);
+            found.trim().to_owned()
+        };
+        let bucket = |le: &str| value(&format!("twin_tick_lateness_seconds_bucket{{le=\"{le}\"}}"));
+        assert_eq!([bucket("0.0001"), bucket("0.00025"), bucket("0.025")], ["2", "3", "3"]);
+        assert_eq!([bucket("0.1"), bucket("+Inf")], ["4", "5"]);
+        assert_eq!(value("twin_tick_lateness_seconds_count"), "5");
+        let sum: f64 = value("twin_tick_lateness_seconds_sum").parse().expect("a number");
+        // A few roundings of 0.53.
+        assert!((sum - 0.53035).abs() < 1e-9);
+        assert_eq!(value("twin_tick_lateness_max_seconds"), "0.5");
+    }
+}

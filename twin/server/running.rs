@@ -1,0 +1,127 @@
+//! A server that runs: where it listens, and how it stops.
+
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use tokio::runtime::Runtime;
+use tokio::sync::oneshot;
+
+use crate::server::hub::Hub;
+use crate::server::place::Beside;
+use crate::server::{App, ServerError, foxglove};
+
+/// Connections get this long to close.
+const SHUTDOWN_TIMEOUT: Duration = Duration::from_secs(1);
+
+/// A server that runs.
+pub struct Running {
+    pub(super) address: SocketAddr,
+    pub(super) foxglove: Option<(SocketAddr, tokio::task::JoinHandle<()>)>,
+    pub(super) hub: Arc<Hub>,
+    pub(super) landing: Arc<AtomicBool>,
+    pub(super) shutdown: Option<oneshot::Sender<()>>,
+    pub(super) flight: Option<JoinHandle<()>>,
+    pub(super) runtime: Option<Runtime>,
+}
+
+/// Says where it listens and waits for Ctrl+C.
+///
+/// # Errors
+/// [`ServerError::System`] if signals cannot be received.
+pub(super) fn watch(running: Running) -> Result<(), ServerError> {
+    tracing::info!("console on http://{}", running.address());
+    if let Some(address) = running.foxglove_address() {
+        tracing::info!("Foxglove on ws://{address}");
+    }
+    running.wait()
+}
+
+impl Running {
+    /// Where it listens.
+    pub fn address(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// Where it listens for Foxglove.
+    pub fn foxglove_address(&self) -> Option<SocketAddr> {
+        self.foxglove.as_ref().map(|(address, _)| *address)
+    }
+
+    /// Starts the server for Foxglove.
+    ///
+    /// # Errors
+    /// [`ServerError::Foxglove`] if it cannot start.
+    pub(super) fn open_beside(
+        &mut self,
+        Beside { port, vehicles }: Beside,
+        app: Arc<App>,
+    ) -> Result<(), ServerError> {
+        if let Some(runtime) = &self.runtime {
+            let host = self.address.ip();
+            let started = runtime.block_on(foxglove::start(host, port, app, vehicles));
+            self.foxglove = Some(started.map_err(|why| ServerError::Foxglove { port, why })?);
+        }
+        Ok(())
+    }
+
+    /// Waits for Ctrl+C (or a request to end by the system), then stops.
+    ///
+    /// # Errors
+    /// [`ServerError::System`] if signals cannot be received.
+    pub fn wait(self) -> Result<(), ServerError> {
+        if let Some(runtime) = &self.runtime {
+            runtime.block_on(signal())?;
+        }
+        self.stop();
+        Ok(())
+    }
+
+    /// Lands, closes the recording and every connection.
+    pub fn stop(mut self) {
+        self.shut_down();
+    }
+
+    fn shut_down(&mut self) {
+        self.landing.store(true, Ordering::Relaxed);
+        self.hub.close_all("the server stops");
+        if self.flight.take().is_some_and(|flight| flight.join().is_err()) {
+            tracing::error!("the flight thread failed; its message is above");
+        }
+        if let (Some((_, farewell)), Some(runtime)) = (self.foxglove.take(), &self.runtime) {
+            // What it has not said by then is dropped with the runtime.
+            let _ =
+                runtime.block_on(async { tokio::time::timeout(SHUTDOWN_TIMEOUT, farewell).await });
+        }
+        if let Some(shutdown) = self.shutdown.take() {
+            // Refused only if the server task has ended already.
+            let _ = shutdown.send(());
+        }
+        if let Some(runtime) = self.runtime.take() {
+            runtime.shutdown_timeout(SHUTDOWN_TIMEOUT);
+        }
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        self.shut_down();
+    }
+}
+
+#[cfg(unix)]
+async fn signal() -> std::io::Result<()> {
+    use tokio::signal::unix::{SignalKind, signal};
+    let mut terminate = signal(SignalKind::terminate())?;
+    tokio::select! {
+        pressed = tokio::signal::ctrl_c() => pressed,
+        _ = terminate.recv() => Ok(()),
+    }
+}
+
+#[cfg(not(unix))]
+async fn signal() -> std::io::Result<()> {
+    tokio::signal::ctrl_c().await
+}

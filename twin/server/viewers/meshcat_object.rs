@@ -1,0 +1,254 @@
+//! `set_object` and `set_transform` of MeshCat: one part as JSON of the three.js object loader, in `MessagePack`.
+
+use nalgebra::{Isometry3, Matrix4, Quaternion, Translation3, UnitQuaternion, Vector3};
+use rmpv::Value;
+
+use crate::mirror::scene::SceneShape;
+use crate::server::viewers::drawing::{Part, rgb};
+use crate::server::viewers::pack::{f32_bytes, map, numbers, u32_bytes};
+
+/// Type of an extension that holds a `Uint32Array`.
+const U32_ARRAY: i8 = 0x16;
+
+/// Type of an extension that holds a `Float32Array`.
+const F32_ARRAY: i8 = 0x17;
+
+/// The command that draws a part at its path.
+pub(super) fn set_object(part: &Part) -> Value {
+    let ids = ["geometry", "material", "mesh"].map(|kind| format!("{}/{kind}", part.path));
+    set_object_as(part, ids)
+}
+
+/// The same with given identifiers of geometry, material and mesh.
+fn set_object_as(part: &Part, [geometry, material, mesh]: [String; 3]) -> Value {
+    let object = map! {
+        "metadata" => map! { "version" => 4.5, "type" => "Object" },
+        "geometries" => Value::Array(vec![shape(&part.shape, &geometry)]),
+        "materials" => Value::Array(vec![paint(part.rgba, &material)]),
+        "object" => map! {
+            "uuid" => mesh,
+            "type" => "Mesh",
+            "geometry" => geometry,
+            "material" => material,
+            "matrix" => numbers(own_matrix(part)),
+        },
+    };
+    map! { "type" => "set_object", "object" => object, "path" => part.path.as_str() }
+}
+
+/// The command that draws a line of segments at a path: for each segment its two ends in the parent's frame, m.
+pub(super) fn set_line_segments(path: &str, rgb: [u8; 3], ends: Vec<f32>) -> Value {
+    let ids = ["geometry", "material", "line"].map(|kind| format!("{path}/{kind}"));
+    set_line_segments_as(path, rgb, ends, ids)
+}
+
+/// The same with given identifiers of geometry, material and line.
+fn set_line_segments_as(
+    path: &str,
+    rgb: [u8; 3],
+    ends: Vec<f32>,
+    [geometry, material, line]: [String; 3],
+) -> Value {
+    let shape = map! {
+        "uuid" => geometry.as_str(),
+        "type" => "BufferGeometry",
+        "data" => map! {
+            "attributes" => map! {
+                "position" => array("Float32Array", Value::Ext(F32_ARRAY, f32_bytes(ends))),
+            },
+        },
+    };
+    let object = map! {
+        "metadata" => map! { "version" => 4.5, "type" => "Object" },
+        "geometries" => Value::Array(vec![shape]),
+        "materials" => Value::Array(vec![material_of("LineBasicMaterial", rgb, 1.0, &material)]),
+        "object" => map! {
+            "uuid" => line,
+            "type" => "LineSegments",
+            "geometry" => geometry,
+            "material" => material,
+            "matrix" => numbers(column_major(&Matrix4::identity())),
+        },
+    };
+    map! { "type" => "set_object", "object" => object, "path" => path }
+}
+
+fn shape(shape: &SceneShape, id: &str) -> Value {
+    match shape {
+        SceneShape::Box { size_m: [x, y, z] } => map! {
+            "uuid" => id, "type" => "BoxGeometry", "width" => *x, "height" => *y, "depth" => *z,
+        },
+        SceneShape::Sphere { radius_m } => map! {
+            "uuid" => id,
+            "type" => "SphereGeometry",
+            "radius" => *radius_m,
+            "widthSegments" => 20,
+            "heightSegments" => 20,
+        },
+        SceneShape::Cylinder { radius_m, length_m }
+        | SceneShape::Capsule { radius_m, length_m } => map! {
+            "uuid" => id,
+            "type" => "CylinderGeometry",
+            "radiusTop" => *radius_m,
+            "radiusBottom" => *radius_m,
+            "height" => *length_m,
+            "radialSegments" => 50,
+        },
+        SceneShape::Mesh { vertices, triangles } => {
+            let corners = f32_bytes(vertices.iter().flatten().map(|&value| value as f32));
+            let indices = u32_bytes(triangles.iter().flatten().copied());
+            map! {
+                "uuid" => id,
+                "type" => "BufferGeometry",
+                "data" => map! {
+                    "attributes" => map! {
+                        "position" => array("Float32Array", Value::Ext(F32_ARRAY, corners)),
+                    },
+                    "index" => array("Uint32Array", Value::Ext(U32_ARRAY, indices)),
+                },
+            }
+        }
+    }
+}
+
+fn array(kind: &str, values: Value) -> Value {
+    map! { "itemSize" => 3, "type" => kind, "array" => values, "normalized" => false }
+}
+
+fn paint(rgba: [f32; 4], id: &str) -> Value {
+    material_of("MeshPhongMaterial", rgb(rgba), rgba[3], id)
+}
+
+fn material_of(kind: &str, rgb: [u8; 3], opacity: f32, id: &str) -> Value {
+    let [r, g, b] = rgb.map(u32::from);
+    map! {
+        "uuid" => id,
+        "type" => kind,
+        "color" => r << 16 | g << 8 | b,
+        "reflectivity" => 0.5,
+        "side" => 2,
+        "transparent" => opacity < 1.0,
+        "opacity" => f64::from(opacity),
+        "linewidth" => 1.0,
+        "wireframe" => false,
+        "wireframeLinewidth" => 1.0,
+        "vertexColors" => 0,
+    }
+}
+
+/// Node-from-shape, column-major. three.js draws cylinders along y, and ours lie along z.
+fn own_matrix(part: &Part) -> [f64; 16] {
+    let mut pose = isometry(part.position, part.quaternion_wxyz);
+    if matches!(part.shape, SceneShape::Cylinder { .. } | SceneShape::Capsule { .. }) {
+        let quarter = std::f64::consts::FRAC_PI_2;
+        pose *= UnitQuaternion::from_axis_angle(&Vector3::x_axis(), quarter);
+    }
+    column_major(&pose.to_homogeneous())
+}
+
+/// The command that moves a node: `[x y z w x y z]` in the world, m.
+pub(super) fn set_transform(path: &str, pose: [f32; 7]) -> Value {
+    let [x, y, z, qw, qx, qy, qz] = pose.map(f64::from);
+    let matrix = column_major(&isometry([x, y, z], [qw, qx, qy, qz]).to_homogeneous());
+    let bytes = f32_bytes(matrix.map(|value| value as f32));
+    map! { "type" => "set_transform", "path" => path, "matrix" => Value::Ext(F32_ARRAY, bytes) }
+}
+
+fn isometry(position: [f64; 3], [w, x, y, z]: [f64; 4]) -> Isometry3<f64> {
+    let rotation = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
+    Isometry3::from_parts(Translation3::from(position), rotation)
+}
+
+fn column_major(matrix: &Matrix4<f64>) -> [f64; 16] {
+    std::array::from_fn(|k| matrix[(k % 4, k / 4)])
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::server::viewers::pack::encode;
+
+    fn part(path: &str, shape: SceneShape, rgba: [f32; 4]) -> Part {
+        let (position, quaternion_wxyz) = ([0.0; 3], [1.0, 0.0, 0.0, 0.0]);
+        Part { path: path.to_owned(), position, quaternion_wxyz, shape, rgba }
+    }
+
+    fn ids(first: u32) -> [String; 3] {
+        std::array::from_fn(|k| format!("00000000-0000-0000-0000-{:012x}", first as usize + k))
+    }
+
+    /// What meshcat-python sent for the same thing; absent outside a full checkout.
+    pub(in crate::server::viewers) fn reference(name: &str) -> Option<Vec<u8>> {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/fixtures/meshcat");
+        let bytes = std::fs::read(format!("{folder}/{name}.bin")).ok();
+        if bytes.is_none() {
+            eprintln!("SKIPPED: the reference bytes {name} are not here");
+        }
+        bytes
+    }
+
+    #[test]
+    fn spheres_and_meshes_have_the_bytes_of_meshcat_python() {
+        let ball =
+            part("/meshcat/sphere", SceneShape::Sphere { radius_m: 0.3 }, [0.0, 1.0, 0.0, 0.5]);
+        let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let mesh = SceneShape::Mesh { vertices: corners, triangles: vec![[0, 1, 2]] };
+        // 0x112233 as fractions.
+        let sheet = part("/meshcat/tri", mesh, [17.0 / 255.0, 34.0 / 255.0, 0.2, 1.0]);
+        for (name, part, first) in
+            [("set_object_sphere", ball, 5), ("set_object_trimesh", sheet, 0x0e)]
+        {
+            let Some(wanted) = reference(name) else { continue };
+            assert_eq!(encode(&set_object_as(&part, ids(first))), wanted, "{name}");
+        }
+    }
+
+    #[test]
+    fn a_line_has_the_bytes_of_meshcat_python() {
+        let ends = vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
+        let line = set_line_segments_as("/meshcat/line", [255, 0, 0], ends, ids(0x14));
+        let Some(wanted) = reference("set_object_linesegments") else { return };
+        assert_eq!(encode(&line), wanted);
+    }
+
+    #[test]
+    fn boxes_and_cylinders_have_the_geometry_of_meshcat_python() {
+        // Its material or its axis is another there, so only the geometry is the same command.
+        let brick = SceneShape::Box { size_m: [1.0, 0.5, 0.25] };
+        let tube = SceneShape::Cylinder { radius_m: 0.1, length_m: 1.0 };
+        for (name, solid, id) in [("set_object_box", brick, 2), ("set_object_cylinder", tube, 8)] {
+            let Some(wanted) = reference(name) else { continue };
+            let made = encode(&shape(&solid, &ids(id)[0]));
+            assert!(wanted.windows(made.len()).any(|bytes| bytes == made), "{name}");
+        }
+    }
+
+    #[test]
+    fn a_transform_has_the_bytes_of_the_reference_but_for_zeros() {
+        // A quarter turn about z at (0.5, -1, 2); the reference has 6e-17 where we have another tiny number.
+        let half = std::f32::consts::FRAC_1_SQRT_2;
+        let made = set_transform("/meshcat/box", [0.5, -1.0, 2.0, half, 0.0, 0.0, half]);
+        let bytes = encode(&made);
+        let Some(wanted) = reference("set_transform_f32ext") else { return };
+        assert_eq!(bytes.len(), wanted.len());
+        assert_eq!(bytes[..bytes.len() - 64], wanted[..wanted.len() - 64]);
+        let numbers = |bytes: &[u8]| -> Vec<f32> {
+            let tail = &bytes[bytes.len() - 64..];
+            tail.chunks(4).map(|four| f32::from_le_bytes(four.try_into().unwrap())).collect()
+        };
+        for (made, wanted) in numbers(&bytes).into_iter().zip(numbers(&wanted)) {
+            // f32 of numbers up to 2.
+            assert!((made - wanted).abs() < 1e-6, "{made} {wanted}");
+        }
+    }
+
+    #[test]
+    fn a_cylinder_along_z_is_turned_from_the_y_axis_of_three_js() {
+        let shape = SceneShape::Cylinder { radius_m: 0.1, length_m: 1.0 };
+        let matrix = own_matrix(&part("/x", shape, [1.0; 4]));
+        // The second column is where y goes: to z.
+        for (found, wanted) in matrix[4..7].iter().zip([0.0, 0.0, 1.0]) {
+            assert!((found - wanted).abs() < 1e-12);
+        }
+    }
+}

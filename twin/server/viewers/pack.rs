@@ -1,0 +1,99 @@
+//! `MessagePack` for the viewers: maps in the order they are written, and typed arrays.
+
+use rmpv::Value;
+
+/// Deepest nesting of a message that is read.
+const DEEPEST: usize = 16;
+
+/// A map whose keys keep their order: `map! { "type" => "delete", "path" => path }`.
+macro_rules! map {
+    ($($key:expr => $value:expr),* $(,)?) => {
+        ::rmpv::Value::Map(vec![$((::rmpv::Value::from($key), ::rmpv::Value::from($value))),*])
+    };
+}
+pub(super) use map;
+
+/// An array of numbers.
+pub(super) fn numbers<const N: usize>(values: [f64; N]) -> Value {
+    Value::Array(values.into_iter().map(Value::F64).collect())
+}
+
+/// The bytes of a value.
+pub(super) fn encode(value: &Value) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    if let Err(error) = rmpv::encode::write_value(&mut bytes, value) {
+        tracing::error!("a message has no binary form: {error}");
+    }
+    bytes
+}
+
+/// The one value that `bytes` hold.
+///
+/// # Errors
+/// A sentence if they are no `MessagePack`, too deep, or more than one value.
+pub(super) fn decode(bytes: &[u8]) -> Result<Value, String> {
+    // The reader takes the one byte that the format never uses for nil.
+    if bytes.first() == Some(&0xC1) {
+        return Err("no MessagePack: 0xc1 is never used".to_owned());
+    }
+    let mut rest = bytes;
+    let value = rmpv::decode::read_value_with_max_depth(&mut rest, DEEPEST)
+        .map_err(|error| format!("no MessagePack: {error}"))?;
+    if rest.is_empty() { Ok(value) } else { Err(format!("{} bytes too many", rest.len())) }
+}
+
+/// The value of a key of a map.
+pub(super) fn get<'a>(map: &'a Value, key: &str) -> Option<&'a Value> {
+    let entries = map.as_map()?;
+    entries.iter().find(|(name, _)| name.as_str() == Some(key)).map(|(_, value)| value)
+}
+
+/// The text of a key of a map.
+pub(super) fn text<'a>(map: &'a Value, key: &str) -> Option<&'a str> {
+    get(map, key).and_then(Value::as_str)
+}
+
+/// Little-endian bytes of numbers.
+pub(super) fn f32_bytes(values: impl IntoIterator<Item = f32>) -> Vec<u8> {
+    values.into_iter().flat_map(f32::to_le_bytes).collect()
+}
+
+/// Little-endian bytes of numbers.
+pub(super) fn f64_bytes(values: impl IntoIterator<Item = f64>) -> Vec<u8> {
+    values.into_iter().flat_map(f64::to_le_bytes).collect()
+}
+
+/// Little-endian bytes of indices.
+pub(super) fn u32_bytes(values: impl IntoIterator<Item = u32>) -> Vec<u8> {
+    values.into_iter().flat_map(u32::to_le_bytes).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Written by hand from the specification: fixmap, fixstr, float 64, fixarray, nil, bool, positive fixint, ext 8.
+    #[test]
+    fn a_message_has_the_bytes_of_the_specification() {
+        let value = map! {
+            "a" => 1.5,
+            "b" => Value::Array(vec![Value::Nil, Value::Boolean(true), Value::from(7_u32)]),
+            "c" => Value::Ext(0x17, f32_bytes([1.0, -2.0, 0.5])),
+        };
+        let mut wanted = vec![0x83, 0xA1, b'a', 0xCB, 0x3F, 0xF8, 0, 0, 0, 0, 0, 0];
+        wanted.extend([0xA1, b'b', 0x93, 0xC0, 0xC3, 0x07]);
+        wanted.extend([0xA1, b'c', 0xC7, 12, 0x17]);
+        wanted.extend([0, 0, 0x80, 0x3F, 0, 0, 0, 0xC0, 0, 0, 0, 0x3F]);
+        assert_eq!(encode(&value), wanted);
+        assert_eq!(decode(&wanted), Ok(value));
+    }
+
+    #[test]
+    fn broken_bytes_are_refused_without_harm() {
+        let lies = [0xDF, 0xFF, 0xFF, 0xFF, 0xFF];
+        let deep = vec![0x91; 60_000];
+        for bytes in [&[][..], &[0xC1], &lies, &[0xC7, 200, 1], &deep, &[0xA5, b'a'], &[1, 2]] {
+            assert!(decode(bytes).is_err(), "{:?}", &bytes[..bytes.len().min(8)]);
+        }
+    }
+}

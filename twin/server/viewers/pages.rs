@@ -1,0 +1,144 @@
+//! Routes of the stock viewers: their pages from the viewer folder, and the socket of viser. (MeshCat's own is at `/`,
+//! Drake's at its page.)
+
+use std::sync::Arc;
+
+use axum::Router;
+use axum::extract::State;
+use axum::extract::ws::WebSocketUpgrade;
+use axum::extract::ws::rejection::WebSocketUpgradeRejection;
+use axum::http::header::{
+    CACHE_CONTROL, CONTENT_SECURITY_POLICY, CONTENT_TYPE, SEC_WEBSOCKET_PROTOCOL,
+};
+use axum::http::{HeaderMap, StatusCode};
+use axum::response::{IntoResponse, Redirect, Response};
+use axum::routing::get;
+
+use crate::server::App;
+use crate::server::http::connect;
+use crate::server::viewers::meshcat::MeshCat;
+use crate::server::viewers::viser::Viser;
+use crate::server::viewers::{DRAKE, MESHCAT, VISER, Wheel};
+
+/// The stock pages carry their scripts inline, evaluate the callbacks of controls and unpack themselves from `data:` and
+/// `blob:`. They too may talk to nothing but this server.
+const POLICY: &str = "default-src 'none'; script-src 'self' 'unsafe-inline' 'unsafe-eval' blob: data:; \
+    worker-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; \
+    font-src 'self' data:; connect-src 'self' data: blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+/// Start of the sub-protocol that a viser client asks for; its version follows.
+const VISER_PROTOCOL: &str = "viser-v";
+
+const HTML: &str = "text/html; charset=utf-8";
+
+/// Routes of the viewers.
+pub(in crate::server) fn routes() -> Router<Arc<App>> {
+    Router::new()
+        .route("/meshcat", get(|| async { Redirect::permanent("/meshcat/") }))
+        .route("/meshcat/", get(meshcat_page))
+        .route("/meshcat/main.min.js", get(meshcat_script))
+        .route("/drake", get(|| async { Redirect::permanent("/drake/") }))
+        .route("/drake/", get(drake))
+        .route("/drake/meshcat.js", get(drake_script))
+        .route("/viser", get(viser))
+        .route("/viser/", get(viser))
+}
+
+async fn meshcat_page(State(app): State<Arc<App>>) -> Response {
+    file(&app, MESHCAT, "index.html", HTML).await
+}
+
+async fn meshcat_script(State(app): State<Arc<App>>) -> Response {
+    file(&app, MESHCAT, "main.min.js", "text/javascript; charset=utf-8").await
+}
+
+/// Drake's page, or its socket at the same path.
+async fn drake(
+    upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
+    State(app): State<Arc<App>>,
+    headers: HeaderMap,
+) -> Response {
+    match upgrade {
+        Ok(upgrade) => connect(upgrade, app, MeshCat::default()),
+        Err(refused) if headers.contains_key("upgrade") => refused.into_response(),
+        Err(_) => file(&app, DRAKE, "index.html", HTML).await,
+    }
+}
+
+async fn drake_script(State(app): State<Arc<App>>) -> Response {
+    file(&app, DRAKE, "meshcat.js", "text/javascript; charset=utf-8").await
+}
+
+/// The page, or its socket at the same path.
+async fn viser(
+    upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
+    State(app): State<Arc<App>>,
+    headers: HeaderMap,
+) -> Response {
+    match upgrade {
+        Ok(upgrade) => {
+            let asked = headers.get(SEC_WEBSOCKET_PROTOCOL).and_then(|value| value.to_str().ok());
+            let Some(protocol) = asked.and_then(viser_protocol) else {
+                return (StatusCode::BAD_REQUEST, "expected the sub-protocol viser-v1.1.1")
+                    .into_response();
+            };
+            if protocol != format!("{VISER_PROTOCOL}{}", VISER.version) {
+                tracing::warn!(
+                    "a viser client of another version ({protocol}); {} is known to work",
+                    VISER.version
+                );
+            }
+            connect(upgrade.protocols([protocol]), app, Viser::default())
+        }
+        Err(refused) if headers.contains_key("upgrade") => refused.into_response(),
+        Err(_) => file(&app, VISER, "index.html", HTML).await,
+    }
+}
+
+/// The sub-protocol to accept: the browser aborts unless it is one of those it asked for.
+fn viser_protocol(asked: &str) -> Option<String> {
+    let mut names = asked.split(',').map(str::trim);
+    names.find(|name| name.starts_with(VISER_PROTOCOL) && name.len() < 64).map(str::to_owned)
+}
+
+/// A file of the viewer folder; only the names above are ever asked for.
+async fn file(app: &App, wheel: Wheel, name: &'static str, mime: &'static str) -> Response {
+    let Some(folder) = app.viewer_dir.clone() else {
+        return absent(wheel);
+    };
+    let path = folder.join(wheel.folder()).join(name);
+    match tokio::task::spawn_blocking(move || std::fs::read(path)).await {
+        Ok(Ok(bytes)) => {
+            let headers = [
+                (CONTENT_TYPE, mime),
+                (CONTENT_SECURITY_POLICY, POLICY),
+                (CACHE_CONTROL, "no-cache"),
+            ];
+            (headers, bytes).into_response()
+        }
+        _ => absent(wheel),
+    }
+}
+
+fn absent(wheel: Wheel) -> Response {
+    let flag = if wheel.package == DRAKE.package { " --drake" } else { "" };
+    let text = format!(
+        "the {} viewer is not here yet: run `twin viewers fetch{flag}` once, then reload\n",
+        wheel.package
+    );
+    (StatusCode::NOT_FOUND, text).into_response()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_viser_sub_protocol_is_found_among_others_and_nothing_else_is_echoed() {
+        assert_eq!(viser_protocol("viser-v1.1.1").as_deref(), Some("viser-v1.1.1"));
+        assert_eq!(viser_protocol("chat, viser-v1.0.30").as_deref(), Some("viser-v1.0.30"));
+        for foreign in ["", "chat", "viser", &format!("viser-v{}", "1".repeat(100))] {
+            assert_eq!(viser_protocol(foreign), None, "{foreign}");
+        }
+    }
+}

@@ -1,0 +1,188 @@
+//! The scene for viser: a frame for each node, meshes and solids below it, poses as position and orientation.
+
+use rmpv::Value;
+
+use crate::mirror::scene::SceneShape;
+use crate::server::viewers::drawing::{Drawing, Part, ROOT, rgb};
+use crate::server::viewers::pack::{f32_bytes, map, numbers, u32_bytes};
+use crate::server::viewers::trail::{LINES, TRAILS};
+use crate::server::viewers::viser_frame::Batch;
+use crate::server::viewers::viser_label::LABEL;
+
+/// Turns three.js' y-up world so that our z points up.
+const WORLD_WXYZ: [f64; 4] = [0.5, -0.5, 0.5, 0.5];
+
+/// Width of a trail, pixels.
+const LINE_PX: f64 = 2.0;
+
+/// Draws everything at its pose of the start.
+pub(super) fn draw(drawing: &Drawing, batch: &mut Batch) {
+    batch.push(orientation("", WORLD_WXYZ));
+    batch.push(grid());
+    batch.push(frame(ROOT));
+    for node in &drawing.nodes {
+        batch.push(frame(&node.path));
+        place(&node.path, node.pose, batch);
+    }
+    for part in &drawing.parts {
+        add(part, batch);
+        batch.push(position(&part.path, part.position));
+        batch.push(orientation(&part.path, part.quaternion_wxyz));
+    }
+    batch.push(frame(TRAILS));
+    for (path, _, rgb) in LINES {
+        add_line(path, rgb, batch);
+    }
+}
+
+/// The viewer's surroundings light the scene alone: its lamps on top of them bleach every colour of the URDF.
+pub(super) fn light() -> Value {
+    map! { "type" => "EnableLightsMessage", "enabled" => false, "cast_shadow" => false }
+}
+
+/// Removes what was drawn; viser removes no children by itself.
+pub(super) fn erase(drawing: &Drawing, batch: &mut Batch) {
+    let parts = drawing.parts.iter().map(|part| part.path.as_str());
+    let lines = LINES.iter().map(|(path, ..)| *path).chain([TRAILS]);
+    for name in
+        parts.chain([LABEL]).chain(drawing.nodes.iter().map(|node| node.path.as_str())).chain(lines)
+    {
+        batch.push(map! { "type" => "RemoveSceneNodeMessage", "name" => name, "owner" => "" });
+    }
+}
+
+/// Replaces a line of segments: for each segment its two ends in the world, m.
+pub(super) fn update_line(path: &str, rgb: [u8; 3], ends: Vec<f32>, batch: &mut Batch) {
+    let [points, colors] = line(rgb, ends, batch);
+    let updates = map! { "points" => points, "colors" => colors };
+    batch.push(map! {
+        "type" => "SceneNodeUpdateMessage", "name" => path, "updates" => updates, "owner" => "",
+    });
+}
+
+/// Shows or hides a node with all below it.
+pub(super) fn show(path: &str, visible: bool) -> Value {
+    let kind = "SetSceneNodeVisibilityMessage";
+    map! { "type" => kind, "name" => path, "visible" => visible, "owner" => "" }
+}
+
+/// Ends as (N, 2, 3), with a colour for each.
+fn line(rgb: [u8; 3], ends: Vec<f32>, batch: &mut Batch) -> [Value; 2] {
+    let colors = rgb.repeat(ends.len() / 3);
+    [batch.array("<f4", f32_bytes(ends)), batch.array("|u1", colors)]
+}
+
+/// A line of no length, to be updated.
+fn add_line(path: &str, rgb: [u8; 3], batch: &mut Batch) {
+    let [points, colors] = line(rgb, vec![0.0; 6], batch);
+    let props = map! {
+        "points" => points,
+        "thickness" => LINE_PX,
+        "colors" => colors,
+        "scale" => 1.0,
+        "thickness_units" => "screen",
+    };
+    batch.push(node("LineSegmentsMessage", path, props));
+}
+
+/// Moves a node to `[x y z w x y z]` in the world, m.
+pub(super) fn place(path: &str, pose: [f32; 7], batch: &mut Batch) {
+    let [x, y, z, qw, qx, qy, qz] = pose.map(f64::from);
+    batch.push(position(path, [x, y, z]));
+    batch.push(orientation(path, [qw, qx, qy, qz]));
+}
+
+fn position(name: &str, xyz: [f64; 3]) -> Value {
+    map! { "type" => "SetPositionMessage", "name" => name, "position" => numbers(xyz), "owner" => "" }
+}
+
+fn orientation(name: &str, wxyz: [f64; 4]) -> Value {
+    map! { "type" => "SetOrientationMessage", "name" => name, "wxyz" => numbers(wxyz), "owner" => "" }
+}
+
+fn node(kind: &str, name: &str, props: Value) -> Value {
+    map! { "type" => kind, "name" => name, "owner" => "", "virtual" => false, "props" => props }
+}
+
+fn frame(path: &str) -> Value {
+    let props = map! {
+        "show_axes" => false,
+        "axes_length" => 0.1,
+        "axes_radius" => 0.004,
+        "origin_radius" => 0.008,
+        "origin_color" => colour([236, 236, 0]),
+        "scale" => 1.0,
+    };
+    node("FrameMessage", path, props)
+}
+
+fn grid() -> Value {
+    let props = map! {
+        "width" => 20.0,
+        "height" => 20.0,
+        "plane" => "xy",
+        "cell_color" => colour([200, 200, 200]),
+        "cell_thickness" => 1.0,
+        "cell_size" => 0.5,
+        "section_color" => colour([140, 140, 140]),
+        "section_thickness" => 1.0,
+        "section_size" => 1.0,
+        "infinite_grid" => false,
+        "fade_distance" => 20.0,
+        "fade_strength" => 1.0,
+        "fade_from" => "camera",
+        "shadow_opacity" => 0.0,
+        "plane_color" => colour([255, 255, 255]),
+        "plane_opacity" => 0.0,
+        "scale" => 1.0,
+    };
+    node("GridMessage", "/grid", props)
+}
+
+fn add(part: &Part, batch: &mut Batch) {
+    let (kind, mut props) = match &part.shape {
+        SceneShape::Box { size_m } => ("BoxMessage", vec![("dimensions", numbers(*size_m))]),
+        SceneShape::Sphere { radius_m } => (
+            "IcosphereMessage",
+            vec![("radius", Value::F64(*radius_m)), ("subdivisions", Value::from(3))],
+        ),
+        SceneShape::Cylinder { radius_m, length_m }
+        | SceneShape::Capsule { radius_m, length_m } => (
+            "CylinderMessage",
+            vec![
+                ("radius", Value::F64(*radius_m)),
+                ("height", Value::F64(*length_m)),
+                ("radial_segments", Value::from(48)),
+            ],
+        ),
+        SceneShape::Mesh { vertices, triangles } => {
+            let corners = f32_bytes(vertices.iter().flatten().map(|&value| value as f32));
+            let vertices = batch.array("<f4", corners);
+            let faces = batch.array("<u4", u32_bytes(triangles.iter().flatten().copied()));
+            ("MeshMessage", vec![("vertices", vertices), ("faces", faces)])
+        }
+    };
+    props.extend(look(part));
+    let props = props.into_iter().map(|(key, value)| (Value::from(key), value)).collect();
+    batch.push(node(kind, &part.path, Value::Map(props)));
+}
+
+fn look(part: &Part) -> [(&'static str, Value); 9] {
+    let alpha = part.rgba[3];
+    let opaque = alpha >= 1.0;
+    [
+        ("color", colour(rgb(part.rgba))),
+        ("wireframe", Value::Boolean(false)),
+        ("opacity", if opaque { Value::Nil } else { Value::F64(f64::from(alpha)) }),
+        ("flat_shading", Value::Boolean(false)),
+        ("side", Value::from("double")),
+        ("material", Value::from("standard")),
+        ("cast_shadow", Value::Boolean(false)),
+        ("receive_shadow", Value::Boolean(false)),
+        ("scale", Value::F64(1.0)),
+    ]
+}
+
+fn colour(rgb: [u8; 3]) -> Value {
+    Value::Array(rgb.into_iter().map(Value::from).collect())
+}
