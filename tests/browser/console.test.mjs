@@ -168,14 +168,16 @@ test("pause holds the flight, a step is one tick, speed and restart do what they
   assert.ok((await shown(page)).rows <= (await shown(page)).lastTick + 1, "the old flight's history is gone");
 });
 
-test("nothing overlaps and nothing sticks out, from desk to phone", LIMIT, async () => {
+/** What overlaps or sticks out on a desk, a large screen and a phone. */
+async function layoutFaults(page) {
+  const all = [];
   for (const [width, height] of [[1280, 720], [1920, 1080], [390, 844]]) {
     await page.setViewportSize({ width, height });
     await pause(400);
     const faults = await page.evaluate(() => {
       const found = [];
       if (document.documentElement.scrollWidth > innerWidth) found.push(`page is ${document.documentElement.scrollWidth} px wide`);
-      const boxes = [...document.querySelectorAll(".topbar button, .topbar select, .topbar dd, .badge:not([hidden]), .scene-tools button, .scene-key, #hand")]
+      const boxes = [...document.querySelectorAll(".topbar button, .topbar select, .topbar .reading, .badge:not([hidden]), .scene-tools button, .scene-key, #hand")]
         .map((node) => ({ name: node.id || node.className, ...node.getBoundingClientRect().toJSON() }))
         .filter(({ width }) => width > 0);
       for (const a of boxes) {
@@ -187,8 +189,13 @@ test("nothing overlaps and nothing sticks out, from desk to phone", LIMIT, async
       }
       return found;
     });
-    assert.deepEqual(faults, [], `${width}x${height}`);
+    all.push(...faults.map((fault) => `${width}x${height}: ${fault}`));
   }
+  return all;
+}
+
+test("nothing overlaps and nothing sticks out, from desk to phone", LIMIT, async () => {
+  assert.deepEqual(await layoutFaults(page), []);
 });
 
 test("pictures for people", LIMIT, async () => {
@@ -247,6 +254,19 @@ test("reset_demo shows as many reset marks as telemetry has, and ends in green",
     assert.match(await verdict.innerText(), /✓ completed/);
     assert.equal(await verdict.getAttribute("data-tone"), "good");
     witness.close();
+    assert.deepEqual(await layoutFaults(other.page), [], "with the verdict beside the phase");
+
+    // Who comes after the end sees the flight: every tick, every mark, and the vehicle where it stands.
+    const ended = await shown(other.page);
+    const late = await openConsole(browser, demo.url);
+    const seen = await until(async () => {
+      const shows = await shown(late.page);
+      return shows.lastTick === ended.lastTick && shows;
+    }, SOON, "the late page is at the last tick");
+    assert.deepEqual({ rows: seen.rows, gapTicks: seen.gapTicks }, { rows: ended.lastTick + 1, gapTicks: 0 });
+    assert.ok(seen.resets >= ended.resets && seen.resets > 0);
+    await until(async () => (await shown(late.page)).bodies.base_link?.position[2] > 0.1, SOON, "the vehicle is drawn in the air");
+    await late.close();
   } finally {
     await demo.stop();
   }

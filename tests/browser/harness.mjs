@@ -7,7 +7,7 @@ import { fileURLToPath } from "node:url";
 import { chromium } from "playwright-core";
 
 export const ROOT = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../..");
-const BINARY = path.resolve(ROOT, process.env.TWIN_BIN ?? "target/release/twin");
+export const BINARY = path.resolve(ROOT, process.env.TWIN_BIN ?? "target/release/twin");
 const BROWSER = process.env.CHROMIUM ?? "/usr/bin/chromium";
 const START_WITHIN_MS = 30_000;
 const FLAGS = [
@@ -16,6 +16,8 @@ const FLAGS = [
   "--disable-quic",
   "--use-angle=swiftshader",
   "--enable-unsafe-swiftshader",
+  // As a desktop without a graphics card does: WebGL in software, and the page put together without it.
+  "--disable-gpu-compositing",
   "--disable-background-networking",
   "--disable-component-update",
   "--disable-sync",
@@ -39,10 +41,19 @@ export function freePort() {
   });
 }
 
-/** `twin fly SCENARIO --port PORT`, ready to answer. */
-export async function startTwin(scenario, port) {
+/** `twin fly SCENARIO --port PORT …`, ready to answer. */
+export function startTwin(scenario, port, flags = []) {
+  return start("fly", scenario, port, flags);
+}
+
+/** `twin mirror RECORDING --port PORT …`, ready to answer. */
+export function startMirror(recording, port, flags = []) {
+  return start("mirror", recording, port, flags);
+}
+
+async function start(command, subject, port, flags) {
   if (!existsSync(BINARY)) throw new Error(`no binary at ${BINARY}: build it with cargo build --release or set TWIN_BIN`);
-  const child = spawn(BINARY, ["fly", scenario, "--port", String(port)], { cwd: ROOT, stdio: ["ignore", "pipe", "pipe"] });
+  const child = spawn(BINARY, [command, subject, "--port", String(port), ...flags], { cwd: ROOT, stdio: ["ignore", "pipe", "pipe"] });
   let said = "";
   const hear = (chunk) => (said = (said + chunk).slice(-4000));
   child.stdout.on("data", hear);
@@ -58,7 +69,7 @@ export async function startTwin(scenario, port) {
     child.kill("SIGKILL");
     await ended;
   };
-  return { url, port, stop };
+  return { url, port, pid: child.pid, stop };
 }
 
 /** Waits until `condition` gives something true, and returns it. */

@@ -6,6 +6,8 @@ export class Oracle {
   lastTick = -1;
   /** World pose by body name, newest tick. */
   poses = new Map();
+  /** Value of each channel by name, newest tick. */
+  channels = new Map();
   resets = 0;
   gapTicks = 0;
   /** Simulated and wall time of the newest frame by the server's clocks, s. */
@@ -42,10 +44,11 @@ export class Oracle {
     this.gapTicks += data.readUInt32LE(16);
     const reset = this.hello.channels.findIndex(({ name }) => name === "reset");
     for (let row = 0; row < rows; row += 1) {
-      if (data.readFloatLE(40 + 4 * (row * channels + reset)) === 1) this.resets += 1;
+      if (data.readFloatLE(44 + 4 * (row * channels + reset)) === 1) this.resets += 1;
     }
+    this.hello.channels.forEach(({ name }, k) => this.channels.set(name, data.readFloatLE(44 + 4 * ((rows - 1) * channels + k))));
     const moving = this.hello.scene.bodies.filter((body) => body.moving);
-    const start = 40 + 4 * rows * channels;
+    const start = 44 + 4 * rows * channels;
     for (let body = 0; body < bodies; body += 1) {
       const pose = Array.from({ length: 7 }, (_, k) => data.readFloatLE(start + 4 * (7 * body + k)));
       this.poses.set(moving[body].name, pose);

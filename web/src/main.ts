@@ -1,16 +1,19 @@
-// The console: one store fed by one link, three views on it, one frame loop.
+// The console: one store fed by one link, three views on it, one frame loop. What can be done is in `commands`.
 import { handReading } from "./panels/handReading";
 import { Store } from "./data/store";
 import { installHooks } from "./hooks";
 import { clockMs, Link } from "./link/link";
 import { cameraButtons } from "./panels/cameraButtons";
+import { commands } from "./panels/commands";
 import { byId, setText } from "./panels/dom";
 import { EventLog } from "./panels/events";
-import { GainPanel } from "./panels/gains";
 import { startKeys } from "./panels/keys";
+import { MirrorBar } from "./panels/mirrorBar";
 import { notify } from "./panels/notices";
+import { SceneView } from "./panels/sceneView";
 import { readPalette, startTheme } from "./panels/theme";
 import { TopBar } from "./panels/topbar";
+import { Workbench } from "./panels/workbench";
 import { ChartColumn } from "./plots/column";
 import { preferProcessorCanvas } from "./plots/software";
 import { PROTOCOL_VERSION, type ServerMessage } from "./protocol";
@@ -22,29 +25,36 @@ const store = new Store();
 const link = new Link({ message, telemetry, unreadable: (text) => notify("error", text), connection });
 startTheme(byId("theme"), (palette) => {
   world?.recolor(palette);
-  charts.recolor(palette);
+  charts.recolor();
 });
 const palette = readPalette();
 const world = buildWorld();
 if (world?.software ?? true) preferProcessorCanvas();
-const charts = new ChartColumn(store, palette, world?.software ?? true);
-const gains = new GainPanel((request) => link.send(request));
-const log = new EventLog();
+const charts = new ChartColumn(store, world?.software ?? true);
+const log = new EventLog((event) => charts.showEvent(event));
+charts.onCursor = (tick) => log.mark(tick);
 const bar = new TopBar(store, link);
 const cameras = cameraButtons(() => world);
-startKeys({
-  pause: () => bar.togglePause(),
-  step: () => bar.step(),
-  restart: () => bar.restart(),
-  undo: () => gains.undo(),
-  redo: () => gains.redo(),
-  overview: cameras.overview,
-  follow: cameras.follow,
-  hand: cameras.hand,
-});
-installHooks(store, link, gains, () => world);
+const sceneView = world === null ? null : new SceneView(world, store);
+commands.register(
+  { id: "flight.pause", group: "Flight", description: "pause or continue", keys: ["Space"], action: () => bar.togglePause() },
+  { id: "flight.tick", group: "Flight", description: "fly one tick", keys: ["Ctrl+ArrowRight"], action: () => bar.step(), when: () => !charts.view.inspecting, repeats: true },
+  { id: "flight.on", group: "Flight", description: "fly 100 ms while paused", keys: ["ArrowRight"], action: () => bar.step(Math.round(0.1 / (store.hello?.tick_s ?? 0.01))), when: () => store.state?.phase === "paused" && !charts.view.inspecting, repeats: true },
+  { id: "flight.restart", group: "Flight", description: "restart the flight", keys: ["R"], action: () => bar.restart() },
+  { id: "camera.overview", group: "Camera", description: "the whole task", keys: ["F"], action: cameras.overview },
+  { id: "camera.follow", group: "Camera", description: "beside the vehicle", keys: ["V"], action: cameras.follow },
+  { id: "camera.top", group: "Camera", description: "from above", keys: ["T"], action: cameras.top },
+  { id: "camera.hand", group: "Camera", description: "close-up of the hand on or off", keys: ["H"], action: cameras.hand },
+);
+const bench = new Workbench(store, link, bar);
+const mirror = new MirrorBar(store, (request) => link.send(request), () => charts.view.marked());
+const { gains } = bench;
+startKeys(commands);
+installHooks(store, link, gains, charts, () => world);
 let retryAt = 0;
 let readingsAt = 0;
+/** The reading before found nothing new. */
+let suspect = false;
 const address = new URL("/ws", location.href);
 address.protocol = location.protocol === "https:" ? "wss:" : "ws:";
 link.open(address.href);
@@ -52,7 +62,11 @@ requestAnimationFrame(frame);
 
 function buildWorld(): World | null {
   try {
-    return new World(byId<HTMLCanvasElement>("scene"), byId("hand"), palette, () => cameras.show());
+    return new World(byId<HTMLCanvasElement>("scene"), byId("hand"), palette, {
+      mode: () => cameras.show(),
+      chosen: () => sceneView?.chosen(),
+      send: (request) => link.send(request),
+    });
   } catch (error) {
     notify("error", `no 3-D view, because this browser offers no WebGL 2 (${error instanceof Error ? error.message : "unknown reason"}); charts and gains work`);
     return null;
@@ -65,6 +79,8 @@ function message(received: ServerMessage): void {
       return hello(received);
     case "state":
       store.state = received;
+      world?.flow(received.phase === "flying");
+      bench.show();
       return bar.show();
     case "gain":
       return gains.echo(received);
@@ -80,7 +96,7 @@ function message(received: ServerMessage): void {
     case "reset":
       store.clear();
       world?.clear();
-      charts.redraw();
+      charts.clear();
       return log.rebuild([]);
     case "pong":
   }
@@ -93,14 +109,17 @@ function hello(received: Extract<ServerMessage, { type: "hello" }>): void {
   }
   store.accept(received);
   world?.rebuild(received);
+  sceneView?.rebuild();
   charts.rebuild();
-  gains.rebuild(received);
+  bench.rebuild(received);
   log.rebuild(store.events);
   bar.rebuild();
+  mirror.rebuild();
 }
 
 function telemetry(received: Parameters<Store["ingest"]>[0]): void {
   if (!store.ingest(received)) return;
+  if (received.gap > 0) bench.loss.lost(received.gap);
   if (received.reset) world?.clear();
   world?.update(received);
 }
@@ -110,7 +129,9 @@ function connection(connected: boolean, retryMs: number): void {
 }
 
 function frame(now: number): void {
-  world?.render();
+  bench.frame(now);
+  world?.render(performance.now());
+  sceneView?.frame(now);
   charts.frame(now);
   if (now - readingsAt >= READINGS_EVERY_MS) {
     readingsAt = now;
@@ -119,12 +140,21 @@ function frame(now: number): void {
   requestAnimationFrame(frame);
 }
 
-/** Link health: stale data is greyed, and the banner says why. */
+/**
+ * Link health: stale data is greyed, and the banner says why. Two readings in a row have to find it stale: after a page
+ * that was busy for long, what came meanwhile is taken in between them.
+ */
 function readings(): void {
   const flying = store.state?.phase === "flying";
-  const stale = link.health.stale(clockMs(), flying);
+  const old = link.health.stale(clockMs(), flying);
+  const stale = old && (suspect || !link.health.connected);
+  suspect = old;
   document.body.dataset["stale"] = String(stale);
   bar.readings(stale);
+  mirror.readings();
+  world?.age(stale);
+  log.markGone(store.history.first);
+  bench.readings(stale);
   setText(byId("hand-reading"), handReading(store));
   const banner = byId("link-banner");
   banner.hidden = !stale;

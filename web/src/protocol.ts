@@ -1,7 +1,7 @@
 // Generated from twin/server/protocol.rs and twin/mirror/scene.rs; do not edit.
 // Refresh: TWIN_UPDATE=1 cargo test --release protocol_ts
 
-export const PROTOCOL_VERSION = 1;
+export const PROTOCOL_VERSION = 2;
 
 /**
  * What the server says.
@@ -59,7 +59,11 @@ scenario: string | null, } | { "type": "ping",
 /**
  * Any number; it comes back.
  */
-t: number, } | { "type": "disturb", 
+t: number, } | { "type": "seek", 
+/**
+ * Time of the recording, s; beyond its ends the end is meant.
+ */
+t_s: number, } | { "type": "disturb", 
 /**
  * What to change.
  */
@@ -123,6 +127,18 @@ scenarios: Array<ScenarioInfo>,
  */
 tick_s: number, 
 /**
+ * How far the channels `ahead.*` look into the future, ticks.
+ */
+horizon_ticks: number, 
+/**
+ * Effects that a disturbance of kind `effect` may switch.
+ */
+effects: Array<string>, 
+/**
+ * The recording that is mirrored; `null` if a simulated vehicle flies.
+ */
+mirror: MirrorInfo | null, 
+/**
  * What to draw.
  */
 scene: Scene, 
@@ -146,6 +162,55 @@ state: StateInfo,
  * The last events, oldest first.
  */
 events: Array<EventInfo>, };
+
+/**
+ * A real flight from a recording: the loop predicts and adapts beside it, and acts on nothing.
+ */
+export type MirrorInfo = { 
+/**
+ * Name of the file.
+ */
+file: string, 
+/**
+ * Name of the map that says which messages mean what.
+ */
+map: string, 
+/**
+ * Name of the vehicle.
+ */
+vehicle: string, 
+/**
+ * What is drawn instead of the vehicle's own shape, one sentence.
+ */
+stand_in: string, 
+/**
+ * What the ghost is, one sentence.
+ */
+ghost: string, 
+/**
+ * What predicts, one sentence.
+ */
+predictor: string, 
+/**
+ * Where the applied force comes from, one sentence.
+ */
+force: string, 
+/**
+ * Rows whose residual is never known; their channels are NaN.
+ */
+unknown_rows: Array<string>, 
+/**
+ * Ticks of the recording.
+ */
+ticks: number, 
+/**
+ * Time of the recording, s.
+ */
+duration_s: number, 
+/**
+ * What was found wrong or left out, a sentence each.
+ */
+notes: Array<string>, };
 
 /**
  * A scenario that can be flown.
@@ -183,7 +248,15 @@ unit: string,
 /**
  * Coordinate it belongs to.
  */
-row: string | null, };
+row: string | null, 
+/**
+ * Smallest and largest value that the hardware allows, in the unit of the channel.
+ */
+limits: [number, number] | null, 
+/**
+ * Residuals divided by this are z-scores, in the unit of the channel.
+ */
+z_scale: number | null, };
 
 /**
  * One value an operator may change.
@@ -320,7 +393,36 @@ real_time_factor: number,
 /**
  * Clients connected.
  */
-clients: number, };
+clients: number, 
+/**
+ * Where the time of a tick goes.
+ */
+stages: Array<StageCost>, 
+/**
+ * Mass of the payload, kg; `null` without one.
+ */
+payload_kg: number | null, 
+/**
+ * Mean wind in the world, m/s.
+ */
+wind_m_s: [number, number, number], 
+/**
+ * Effects that are switched off.
+ */
+effects_off: Array<string>, };
+
+/**
+ * What one stage of a tick costs.
+ */
+export type StageCost = { 
+/**
+ * Name of the stage.
+ */
+name: string, 
+/**
+ * Mean wall-clock time per tick since the state before, ms.
+ */
+ms: number, };
 
 /**
  * Whether ticks are flown.

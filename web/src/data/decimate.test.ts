@@ -1,18 +1,26 @@
 import { describe, expect, it } from "vitest";
 import { bucketTicks, decimate } from "./decimate";
+import { History } from "./history";
 
 const seconds = (tick: number): number => tick / 100;
 
-function run(values: number[], ticksPerBucket: number, firstTick = 0) {
-  const stamps = Float64Array.from(values, (_, i) => firstTick + i);
-  return decimate(stamps, [Float32Array.from(values)], 0, values.length, ticksPerBucket, seconds);
+function historyOf(columns: number[][], firstTick = 0): History {
+  const history = new History(4096, columns.length);
+  (columns[0] ?? []).forEach((_, i) => history.push(firstTick + i, columns.map((column) => column[i] ?? NaN), 0));
+  return history;
 }
+
+function run(values: number[], bucket: number, firstTick = 0) {
+  return decimate(historyOf([values], firstTick), [{ column: 0, shift: 0, scale: 1 }], firstTick, firstTick + values.length, bucket, seconds);
+}
+
+const known = (samples: unknown[]): number[] => samples.filter((sample): sample is number => typeof sample === "number");
 
 describe("decimate", () => {
   it("passes every point through when there is a pixel for each", () => {
-    const out = run([1, 2, 3], 1);
+    const out = run([1, NaN, 3], 1);
     expect(out.x).toEqual([0, 0.01, 0.02]);
-    expect(out.series[0]).toEqual([1, 2, 3]);
+    expect(out.series[0]).toEqual([1, null, 3]);
   });
 
   it("keeps the extremes of a bucket in the order they happened", () => {
@@ -20,51 +28,60 @@ describe("decimate", () => {
     expect(run([0, -5, 9, 1], 4).series[0]).toEqual([-5, 9]);
   });
 
-  it("never loses a single-sample spike", () => {
-    const values = Array.from({ length: 1000 }, () => 0);
-    values[637] = 42;
-    expect(Math.max(...(run(values, 10).series[0] as number[]))).toBe(42);
+  it("never loses a single-sample spike, at whatever level it reads", () => {
+    for (const bucket of [1, 4, 8, 16, 64, 256, 512]) {
+      const values = Array.from({ length: 3000 }, () => 0);
+      values[1637] = 42;
+      expect(Math.max(...known(run(values, bucket, 5).series[0] ?? []))).toBe(42);
+    }
+  });
+
+  it("draws the same extremes from a level as from every tick", () => {
+    const values = Array.from({ length: 3000 }, (_, i) => Math.fround(Math.sin(i / 7) * (i % 31)));
+    for (const bucket of [16, 32, 256]) {
+      const drawn = run(values, bucket).series[0] ?? [];
+      for (let start = 0; start < values.length; start += bucket) {
+        const inside = values.slice(start, start + bucket);
+        const pair = drawn.slice((2 * start) / bucket, (2 * start) / bucket + 2) as number[];
+        expect([...pair].sort((a, b) => a - b)).toEqual([Math.min(...inside), Math.max(...inside)]);
+      }
+    }
   });
 
   it("breaks the line at a NaN and still draws the rest of the bucket", () => {
-    const out = run([1, NaN, 3, 2], 4);
-    expect(out.series[0]).toEqual([1, 3, null]);
-    expect(out.x.length).toBe(3);
-  });
-
-  it("gives nothing but breaks for a bucket that is NaN throughout", () => {
-    expect(run([NaN, NaN], 2).series[0]).toEqual([null, null, null]);
+    expect(run([1, NaN, 3, 2], 4).series[0]).toEqual([1, 3, null]);
+    expect(run([NaN, NaN, NaN, NaN], 4).series[0]).toEqual([null, null, null]);
   });
 
   it("lets a second series go on where only the first is missing", () => {
-    const stamps = Float64Array.of(0, 1, 2, 3);
-    const first = Float32Array.of(1, NaN, 1, 1);
-    const second = Float32Array.of(5, 6, 7, 8);
-    const out = decimate(stamps, [first, second], 0, 4, 4, seconds);
-    expect(out.series[1]).toEqual([5, 8, undefined]);
+    const history = historyOf([[1, NaN, 1, 1], [5, 6, 7, 8]]);
+    const traces = [0, 1].map((column) => ({ column, shift: 0, scale: 1 }));
+    expect(decimate(history, traces, 0, 4, 4, seconds).series[1]).toEqual([5, 8, undefined]);
+  });
+
+  it("draws a forecast as far ahead as it speaks of, and beyond the newest tick", () => {
+    const history = historyOf([[10, 11, 12], [20, 21, 22]], 100);
+    const out = decimate(history, [{ column: 0, shift: 0, scale: 1 }, { column: 1, shift: 2, scale: 0.5 }], 90, 200, 1, seconds);
+    expect(out.x).toEqual([1, 1.01, 1.02, 1.03, 1.04]);
+    expect(out.series[0]).toEqual([10, 11, 12, undefined, undefined]);
+    expect(out.series[1]).toEqual([undefined, undefined, 10, 10.5, 11]);
   });
 
   it("keeps x ascending, NaN or not", () => {
-    for (const size of [1, 2, 3, 5]) {
-      const values = Array.from({ length: 60 }, (_, i) => (i % 7 === 0 ? NaN : i));
-      const { x } = run(values, size, 13);
+    for (const bucket of [1, 4, 8, 16]) {
+      const { x } = run(Array.from({ length: 90 }, (_, i) => (i % 7 === 0 ? NaN : i)), bucket, 13);
       expect(x.every((value, i) => i === 0 || value > (x[i - 1] ?? 0))).toBe(true);
     }
   });
 
   it("aligns buckets to ticks, so that scrolling by one tick changes only the ends", () => {
-    const values = Array.from({ length: 41 }, (_, i) => Math.sin(i));
-    const stamps = Float64Array.from(values, (_, i) => i);
-    const column = Float32Array.from(values);
-    const before = decimate(stamps, [column], 0, 40, 5, seconds);
-    const after = decimate(stamps, [column], 1, 41, 5, seconds);
-    const inner = (out: typeof before) => out.series[0]?.slice(2, 14);
-    expect(inner(after)).toEqual(inner(before));
+    const history = historyOf([Array.from({ length: 65 }, (_, i) => Math.sin(i))]);
+    const draw = (from: number) => decimate(history, [{ column: 0, shift: 0, scale: 1 }], from, from + 60, 4, seconds);
+    expect(draw(1).x.slice(0, 20)).toEqual(draw(2).x.slice(0, 20));
+    expect(draw(1).series[0]?.slice(0, 20)).toEqual(draw(2).series[0]?.slice(0, 20));
   });
 
-  it("chooses buckets that fit the width", () => {
-    expect(bucketTicks(2000, 400)).toBe(5);
-    expect(bucketTicks(100, 400)).toBe(1);
-    expect(bucketTicks(401, 400)).toBe(2);
+  it("chooses buckets of a power of two that fit the width", () => {
+    expect([2000, 401, 100, 800, 6000, 60_000].map((ticks) => bucketTicks(ticks, 400))).toEqual([8, 1, 1, 1, 16, 256]);
   });
 });

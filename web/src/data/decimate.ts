@@ -1,95 +1,97 @@
-// Reduces a stretch of history to a few points per pixel before it is drawn. Buckets are aligned to the stamps, not to
+// Reduces a stretch of history to a few points per pixel before it is drawn. Buckets are aligned to the ticks, not to
 // the window, so a line keeps its shape while it scrolls. Every bucket keeps its minimum and maximum, and a missing
 // value (NaN) breaks the line instead of spoiling the bucket.
+import type { History } from "./history";
+import { Extremes, LEVEL_TICKS } from "./pyramid";
 
 /** `null` breaks the line; `undefined` is "no point of this series here", the line goes on (uPlot's convention). */
 export type Sample = number | null | undefined;
 
 export interface Decimated {
+  /** Time of each point, s. */
   x: number[];
   series: Sample[][];
 }
 
-interface Extremes {
-  first: Sample;
-  second: Sample;
-  missing: boolean;
+/** What is drawn of one column. */
+export interface Trace {
+  column: number;
+  /** Ticks later than its own at which a value is drawn: a forecast belongs to the time it speaks of. */
+  shift: number;
+  /** Factor on the value. */
+  scale: number;
 }
 
-/** Ticks per bucket so that `windowTicks` give at most `buckets` of them. */
+/** Ticks per bucket, a power of two, so that `windowTicks` give at most `buckets` of them. */
 export function bucketTicks(windowTicks: number, buckets: number): number {
-  return Math.max(1, Math.ceil(windowTicks / Math.max(1, buckets)));
+  const needed = windowTicks / Math.max(1, buckets);
+  const bucket = 2 ** Math.max(0, Math.ceil(Math.log2(needed)));
+  // Two ticks to a bucket would be as many points as one.
+  return bucket === 2 ? 1 : bucket;
 }
 
-/** Points of `columns` between the indices `from` and `to`, `ticksPerBucket` stamps to a bucket. */
-export function decimate(
-  stamps: Float64Array,
-  columns: Float32Array[],
-  from: number,
-  to: number,
-  ticksPerBucket: number,
-  timeOf: (stamp: number) => number,
-): Decimated {
-  const out: Decimated = { x: [], series: columns.map(() => []) };
-  let start = from;
-  while (start < to) {
-    const bucket = Math.floor((stamps[start] ?? 0) / ticksPerBucket);
-    let end = start + 1;
-    while (end < to && Math.floor((stamps[end] ?? 0) / ticksPerBucket) === bucket) end += 1;
-    emit(out, stamps, columns, start, end, timeOf);
-    start = end;
+/** Points of `traces` drawn at the ticks `from` up to, not including, `to`, `bucket` ticks to a bucket. */
+export function decimate(history: History, traces: Trace[], from: number, to: number, bucket: number, timeOf: (tick: number) => number): Decimated {
+  const out: Decimated = { x: [], series: traces.map(() => []) };
+  const latest = history.last + Math.max(0, ...traces.map(({ shift }) => shift));
+  const begin = Math.floor(Math.max(from, history.first) / bucket) * bucket;
+  const end = Math.min(to, latest + 1);
+  const found = traces.map(() => new Extremes());
+  for (let start = begin; start < end; start += bucket) {
+    if (bucket === 1) single(out, history, traces, start, timeOf);
+    else several(out, history, traces, start, bucket, found, timeOf);
   }
   return out;
 }
 
-function emit(
-  out: Decimated,
-  stamps: Float64Array,
-  columns: Float32Array[],
-  start: number,
-  end: number,
-  timeOf: (stamp: number) => number,
-): void {
-  const time = (index: number): number => timeOf(stamps[index] ?? 0);
-  if (end - start === 1) {
-    out.x.push(time(start));
-    columns.forEach((column, k) => out.series[k]?.push(orNull(column[start])));
-    return;
-  }
-  const found = columns.map((column) => extremes(column, start, end));
-  const broken = found.some((f) => f.missing);
-  out.x.push(time(start), time(start + ((end - start) >> 1)));
-  if (broken) out.x.push(time(end - 1));
-  found.forEach((f, k) => {
-    out.series[k]?.push(f.first, f.second);
-    if (broken) out.series[k]?.push(f.missing ? null : undefined);
+function single(out: Decimated, history: History, traces: Trace[], tick: number, timeOf: (tick: number) => number): void {
+  out.x.push(timeOf(tick));
+  traces.forEach(({ column, shift, scale }, k) => {
+    const value = history.at(column, tick - shift);
+    out.series[k]?.push(Number.isNaN(value) ? (history.holds(tick - shift) ? null : undefined) : value * scale);
   });
-  // Three points of a two-tick bucket would share a time stamp; uPlot wants ascending x.
-  if (broken && end - start === 2) nudge(out.x);
 }
 
-function nudge(x: number[]): void {
-  const last = x.length - 1;
-  const before = x[last - 1] ?? 0;
-  x[last] = before + 1e-6;
+function several(
+  out: Decimated,
+  history: History,
+  traces: Trace[],
+  start: number,
+  bucket: number,
+  found: Extremes[],
+  timeOf: (tick: number) => number,
+): void {
+  traces.forEach((trace, k) => {
+    const extremes = found[k];
+    if (extremes !== undefined) gather(history, trace, start, bucket, extremes);
+  });
+  const broken = found.some(({ missing }) => missing);
+  out.x.push(timeOf(start), timeOf(start + bucket / 2));
+  if (broken) out.x.push(timeOf(start + bucket - 1));
+  found.forEach((extremes, k) => {
+    const scale = traces[k]?.scale ?? 1;
+    const nothing = extremes.missing ? null : undefined;
+    const series = out.series[k];
+    series?.push(extremes.empty ? nothing : extremes.first * scale, extremes.empty ? nothing : extremes.second * scale);
+    if (broken) series?.push(nothing);
+  });
 }
 
-function extremes(column: Float32Array, start: number, end: number): Extremes {
-  let low = -1;
-  let high = -1;
-  let missing = false;
-  for (let i = start; i < end; i += 1) {
-    const value = column[i] ?? NaN;
-    if (Number.isNaN(value)) missing = true;
-    else {
-      if (low < 0 || value < (column[low] ?? 0)) low = i;
-      if (high < 0 || value > (column[high] ?? 0)) high = i;
-    }
-  }
-  if (low < 0) return { first: null, second: null, missing };
-  return { first: column[Math.min(low, high)], second: column[Math.max(low, high)], missing };
+function gather(history: History, { column, shift }: Trace, start: number, bucket: number, into: Extremes): void {
+  into.clear();
+  const from = Math.max(start - shift, history.first);
+  const to = Math.min(start - shift + bucket, history.last + 1);
+  if (from >= to) return;
+  const level = shift === 0 ? levelFor(bucket) : -1;
+  if (level < 0) history.scan(column, from, to, into);
+  else history.scanLevel(column, level, from, to, into);
 }
 
-function orNull(value: number | undefined): number | null {
-  return value === undefined || Number.isNaN(value) ? null : value;
+/** Coarsest level whose stretches fit into a bucket; -1 for none. */
+function levelFor(bucket: number): number {
+  let level = -1;
+  LEVEL_TICKS.forEach((ticks, index) => {
+    if (ticks <= bucket) level = index;
+  });
+  return level;
 }

@@ -22,11 +22,12 @@ function frame(firstTick: number, rows: number[][], extra: Partial<Telemetry> = 
     channelCount: 2,
     gap: 0,
     reset: false,
-    tSim: 0,
+    tSim: 0, tWall: 0,
     channels: Float32Array.from(rows.flat()),
     poses: new Float32Array(),
     reference: new Float32Array(7),
     contacts: new Float32Array(),
+    spectrum: new Float32Array(),
     ...extra,
   };
 }
@@ -37,12 +38,14 @@ function store(): Store {
   return s;
 }
 
+const held = (s: Store): number[] => Array.from({ length: s.history.length }, (_, i) => s.at("error.x", s.history.first + i));
+
 describe("Store", () => {
   it("keeps rows in order, knows the newest value and the resets", () => {
     const s = store();
     s.ingest(frame(0, [[1, 0], [2, 1]]));
     s.ingest(frame(2, [[3, 0]]));
-    expect([...(s.column("error.x") ?? [])]).toEqual([1, 2, 3]);
+    expect(held(s)).toEqual([1, 2, 3]);
     expect(s.latest("error.x")).toBe(3);
     expect(s.resets).toEqual([1]);
     expect(s.timeOf(s.lastTick)).toBeCloseTo(0.03, 12);
@@ -53,7 +56,9 @@ describe("Store", () => {
     const s = store();
     s.ingest(frame(0, [[1, 0]]));
     s.ingest(frame(9, [[2, 0]], { gap: 8 }));
-    expect([...(s.column("error.x") ?? [])]).toEqual([1, NaN, 2]);
+    expect(held(s)).toEqual([1, ...Array.from({ length: 8 }, () => NaN), 2]);
+    expect(s.gaps).toEqual([{ from: 1, to: 8 }]);
+    expect([0, 1, 8, 9].map((tick) => s.lost(tick))).toEqual([false, true, true, false]);
   });
 
   it("forgets the old flight at a reset flag and when ticks run backward", () => {
@@ -61,14 +66,21 @@ describe("Store", () => {
       const s = store();
       s.ingest(frame(10, [[1, 1]]));
       s.ingest(next);
-      expect([...(s.column("error.x") ?? [])]).toEqual([7]);
+      expect(held(s)).toEqual([7]);
       expect(s.resets).toEqual([]);
+      expect(s.gaps).toEqual([]);
     }
+  });
+
+  it("finds the tick of a time, and the time of a tick", () => {
+    const s = store();
+    for (const tick of [0, 1, 99, 65_537]) expect(s.tickAt(s.timeOf(tick))).toBe(tick);
+    expect(s.tickAt(0.034)).toBe(2);
   });
 
   it("takes no frame of another schema", () => {
     const s = store();
     expect(s.ingest(frame(0, [[1, 0]], { schemaId: 5 }))).toBe(false);
-    expect(s.ring.length).toBe(0);
+    expect(s.history.length).toBe(0);
   });
 });

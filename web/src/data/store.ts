@@ -1,22 +1,25 @@
 // What is known about the flight: the newest hello, the history of channels, and the newest poses.
 import type { Telemetry } from "../link/decode";
 import type { ChannelInfo, EventInfo, Hello, StateInfo } from "../protocol";
-import { Ring } from "./ring";
+import { History, HISTORY_TICKS } from "./history";
+import { covers, type TickSpan } from "./spans";
 
-/** Ticks of history kept: 80 s at 100 Hz, a little more than the longest window. */
-const HISTORY_TICKS = 8192;
-const KEPT_EVENTS = 200;
+/** Smallest history there can be, for a page that has heard nothing yet. */
+const NO_HISTORY_TICKS = 512;
+const KEPT_EVENTS = 2000;
 
 export class Store {
   hello: Hello | null = null;
   state: StateInfo | null = null;
-  ring = new Ring(1, 0);
+  history = new History(NO_HISTORY_TICKS, 0);
   /** Newest telemetry frame of this flight. */
   newest: Telemetry | null = null;
   /** Newest tick; -1 before the first. */
   lastTick = -1;
   /** Ticks at which the covariance was reset, oldest first. */
   resets: number[] = [];
+  /** Ticks that were lost on the way to this page, oldest first. */
+  gaps: TickSpan[] = [];
   events: EventInfo[] = [];
   private columns = new Map<string, number>();
 
@@ -25,39 +28,35 @@ export class Store {
     this.hello = hello;
     this.state = hello.state;
     this.columns = new Map(hello.channels.map((channel, index) => [channel.name, index]));
-    this.ring = new Ring(HISTORY_TICKS, hello.channels.length);
+    this.history = new History(HISTORY_TICKS, hello.channels.length);
     this.clear();
     this.events = hello.events.slice(-KEPT_EVENTS);
   }
 
   /** Forgets the flight so far, keeps its description. */
   clear(): void {
-    this.ring.clear();
+    this.forgetRows();
     this.newest = null;
     this.lastTick = -1;
-    this.resets = [];
     this.events = [];
   }
 
   /** Adds a frame; false if it belongs to another description of the flight. */
   ingest(frame: Telemetry): boolean {
-    if (this.hello === null || frame.schemaId !== this.hello.schema_id || frame.channelCount !== this.ring.width) return false;
-    const last = frame.firstTick + frame.rows - 1;
+    if (this.hello === null || frame.schemaId !== this.hello.schema_id || frame.channelCount !== this.history.width) return false;
     const another = frame.reset || (frame.rows > 0 && frame.firstTick <= this.lastTick);
-    if (another) {
-      this.ring.clear();
-      this.resets = [];
-    } else if (this.lastTick >= 0 && frame.firstTick > this.lastTick + 1) {
-      this.ring.pushGap(this.lastTick + 1);
+    if (another) this.forgetRows();
+    else if (frame.rows > 0 && this.lastTick >= 0 && frame.firstTick > this.lastTick + 1) {
+      this.gaps.push({ from: this.lastTick + 1, to: frame.firstTick - 1 });
     }
     const reset = this.columns.get("reset");
     for (let row = 0; row < frame.rows; row += 1) {
       const offset = row * frame.channelCount;
-      this.ring.push(frame.firstTick + row, frame.channels, offset);
+      this.history.push(frame.firstTick + row, frame.channels, offset);
       if (reset !== undefined && (frame.channels[offset + reset] ?? 0) > 0.5) this.resets.push(frame.firstTick + row);
     }
-    if (this.resets.length > HISTORY_TICKS) this.resets.splice(0, this.resets.length - HISTORY_TICKS);
-    if (frame.rows > 0) this.lastTick = last;
+    this.forgetMarks();
+    if (frame.rows > 0) this.lastTick = frame.firstTick + frame.rows - 1;
     this.newest = frame;
     return true;
   }
@@ -67,7 +66,20 @@ export class Store {
   }
 
   /** Simulated time at the end of `tick`, s. */
-  timeOf = (tick: number): number => (tick + 1) * (this.hello?.tick_s ?? 0.01);
+  timeOf = (tick: number): number => (tick + 1) * this.tickS;
+
+  /** Tick whose end is nearest to the time, s. */
+  tickAt = (time: number): number => Math.round(time / this.tickS) - 1;
+
+  /** Period of a tick, s. */
+  get tickS(): number {
+    return this.hello?.tick_s ?? 0.01;
+  }
+
+  /** Ticks ahead that the forecast `ahead` speaks of; 0 without one. */
+  get horizonTicks(): number {
+    return this.columns.has(`ahead.${this.rows()[0] ?? ""}`) ? (this.hello?.horizon_ticks ?? 0) : 0;
+  }
 
   /** What the task is doing, in plain words where an event gave them. */
   phaseText(): string {
@@ -80,20 +92,42 @@ export class Store {
     return index === undefined ? undefined : this.hello?.channels[index];
   }
 
-  column(name: string): Float32Array | undefined {
+  /** Column of a channel in the history. */
+  index(name: string): number | undefined {
+    return this.columns.get(name);
+  }
+
+  /** Value of a channel; NaN when unknown, or when the tick is not held. */
+  at(name: string, tick: number): number {
     const index = this.columns.get(name);
-    return index === undefined ? undefined : this.ring.columnView(index);
+    return index === undefined ? NaN : this.history.at(index, tick);
   }
 
   /** Newest value of a channel; NaN when unknown. */
   latest(name: string): number {
-    const view = this.column(name);
-    return view?.[view.length - 1] ?? NaN;
+    return this.at(name, this.history.last);
+  }
+
+  lost(tick: number): boolean {
+    return covers(this.gaps, tick);
   }
 
   /** Row names that channels speak of, in order of appearance. */
   rows(): string[] {
     const named = (this.hello?.channels ?? []).flatMap((channel) => (channel.row === null ? [] : [channel.row]));
     return [...new Set(named)];
+  }
+
+  private forgetRows(): void {
+    this.history.clear();
+    this.resets = [];
+    this.gaps = [];
+  }
+
+  /** Marks of rows that are no longer held. */
+  private forgetMarks(): void {
+    const { first } = this.history;
+    while ((this.resets[0] ?? Infinity) < first) this.resets.shift();
+    while ((this.gaps[0]?.to ?? Infinity) < first) this.gaps.shift();
   }
 }

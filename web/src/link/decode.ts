@@ -1,9 +1,10 @@
-// Binary telemetry: a 40-byte little-endian header, then rows of channels, body poses, the reference pose, contacts.
+// Binary telemetry: a 44-byte little-endian header, then rows of channels, body poses, the reference pose, contacts,
+// the covariance's spectrum.
 // The views share the frame's memory: nothing is copied.
 
-export const HEADER_BYTES = 40;
+export const HEADER_BYTES = 44;
 export const MAGIC = 0xc1;
-export const VERSION = 1;
+export const VERSION = 2;
 const POSE_FLOATS = 7;
 const CONTACT_FLOATS = 6;
 const FLAG_RESET = 1;
@@ -20,6 +21,8 @@ export interface Telemetry {
   reset: boolean;
   /** Simulated time of the newest row, s. */
   tSim: number;
+  /** When the frame left, on the server's clock (its uptime), s. */
+  tWall: number;
   /** `rows` x `channelCount`. */
   channels: Float32Array;
   /** x y z (m), w x y z of each moving body in scene order, newest tick. */
@@ -28,6 +31,8 @@ export interface Telemetry {
   reference: Float32Array;
   /** Point (m) and force (N) in the world of each contact. */
   contacts: Float32Array;
+  /** Eigenvalues of the adapter's covariance, largest first. */
+  spectrum: Float32Array;
 }
 
 /** Reads one frame; the text of the Error says what was found. */
@@ -45,7 +50,8 @@ export function decodeTelemetry(frame: ArrayBuffer): Telemetry {
   const channelCount = head.getUint16(10, true);
   const bodyCount = head.getUint16(12, true);
   const contactCount = head.getUint16(14, true);
-  const floats = rows * channelCount + (bodyCount + 1) * POSE_FLOATS + contactCount * CONTACT_FLOATS;
+  const spectrumCount = head.getUint16(40, true);
+  const floats = rows * channelCount + (bodyCount + 1) * POSE_FLOATS + contactCount * CONTACT_FLOATS + spectrumCount;
   const expected = HEADER_BYTES + 4 * floats;
   if (frame.byteLength !== expected) {
     throw new Error(`telemetry frame is ${frame.byteLength} bytes; its header announces ${expected}`);
@@ -64,9 +70,11 @@ export function decodeTelemetry(frame: ArrayBuffer): Telemetry {
     gap: head.getUint32(16, true),
     reset: (head.getUint32(20, true) & FLAG_RESET) !== 0,
     tSim: head.getFloat64(24, true),
+    tWall: head.getFloat64(32, true),
     channels: take(rows * channelCount),
     poses: take(bodyCount * POSE_FLOATS),
     reference: take(POSE_FLOATS),
     contacts: take(contactCount * CONTACT_FLOATS),
+    spectrum: take(spectrumCount),
   };
 }

@@ -11,9 +11,13 @@ export class LinkHealth {
   gapTicks = 0;
   gapCount = 0;
   roundTripMs = NaN;
+  /** Connections after the first. */
+  reconnects = 0;
+  private opened = false;
   private lastMessage = -Infinity;
   private lastTelemetry = -Infinity;
   private arrivals: number[] = [];
+  private received: { at: number; bytes: number }[] = [];
 
   message(now: number): void {
     this.lastMessage = now;
@@ -44,6 +48,25 @@ export class LinkHealth {
     return this.arrivals.length * (1000 / RATE_WINDOW_MS);
   }
 
+  /** Bytes that came over the socket, of whatever kind. */
+  bytes(now: number, count: number): void {
+    this.received.push({ at: now, bytes: count });
+    this.forget(now);
+  }
+
+  bytesPerSecond(now: number): number {
+    this.forget(now);
+    return this.received.reduce((sum, { bytes }) => sum + bytes, 0) * (1000 / RATE_WINDOW_MS);
+  }
+
+  /** A connection is open. */
+  open(now: number): void {
+    if (this.opened) this.reconnects += 1;
+    this.opened = true;
+    this.connected = true;
+    this.restart(now);
+  }
+
   /** A new connection or a new flight: the counts belong to it alone. */
   restart(now: number): void {
     this.gapTicks = 0;
@@ -54,9 +77,9 @@ export class LinkHealth {
   }
 
   private forget(now: number): void {
-    let old = 0;
-    while (old < this.arrivals.length && (this.arrivals[old] ?? now) < now - RATE_WINDOW_MS) old += 1;
-    if (old > 0) this.arrivals.splice(0, old);
+    const since = now - RATE_WINDOW_MS;
+    while ((this.arrivals[0] ?? now) < since) this.arrivals.shift();
+    while ((this.received[0]?.at ?? now) < since) this.received.shift();
   }
 }
 

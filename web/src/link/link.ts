@@ -12,11 +12,20 @@ export interface LinkHandlers {
   connection(connected: boolean, retryMs: number): void;
 }
 
+/** The newest frame of telemetry on its way: when it left by the server's clock, came and was taken in by the page's, ms. */
+export interface Delivery {
+  tick: number;
+  leftMs: number;
+  cameMs: number;
+  takenMs: number;
+}
+
 /** Now on the clock shared with the worker, ms. */
 export const clockMs = (): number => performance.timeOrigin + performance.now();
 
 export class Link {
   readonly health = new LinkHealth();
+  delivery: Delivery | null = null;
   private readonly worker = new Worker(new URL("./socket.worker.ts", import.meta.url), { type: "module" });
 
   constructor(private readonly handlers: LinkHandlers) {
@@ -39,8 +48,7 @@ export class Link {
   private receive(data: FromWorker): void {
     switch (data.kind) {
       case "open":
-        this.health.connected = true;
-        this.health.restart(data.at);
+        this.health.open(data.at);
         this.handlers.connection(true, 0);
         return;
       case "closed":
@@ -49,6 +57,7 @@ export class Link {
         return;
       case "text":
         this.health.message(data.at);
+        this.health.bytes(data.at, data.text.length);
         this.text(data.text, data.at);
         return;
       case "binary":
@@ -69,10 +78,12 @@ export class Link {
   }
 
   private binary(frame: ArrayBuffer, at: number): void {
+    this.health.bytes(at, frame.byteLength);
     try {
       const telemetry = decodeTelemetry(frame);
       this.health.telemetry(at, telemetry.gap);
       this.handlers.telemetry(telemetry);
+      this.delivery = { tick: telemetry.firstTick + telemetry.rows - 1, leftMs: telemetry.tWall * 1e3, cameMs: at, takenMs: clockMs() };
     } catch (error) {
       this.handlers.unreadable(error instanceof Error ? error.message : String(error));
     }

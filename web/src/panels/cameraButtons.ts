@@ -6,39 +6,34 @@ import { byId } from "./dom";
 export interface CameraActions {
   overview(): void;
   follow(): void;
+  top(): void;
   hand(): void;
   /** Shows which camera is in use. */
   show(): void;
 }
 
+const MODES = ["overview", "follow", "top"] as const;
+
 /** Connects the buttons; returns what they do. */
 export function cameraButtons(world: () => World | null): CameraActions {
-  const overview = byId("camera-overview");
-  const follow = byId("camera-follow");
+  const buttons = MODES.map((mode) => ({ mode, button: byId(`camera-${mode}`) }));
   const hand = byId("camera-hand");
   const show = (): void => {
-    overview.ariaPressed = String(world()?.mode === "overview");
-    follow.ariaPressed = String(world()?.mode === "follow");
+    buttons.forEach(({ mode, button }) => (button.ariaPressed = String(world()?.mode === mode)));
     hand.ariaPressed = String(world()?.handShown ?? false);
   };
-  const choose = (mode: CameraMode): void => {
+  const choose = (mode: CameraMode) => (): void => {
     const shown = world();
     if (shown !== null) shown.mode = mode;
     show();
   };
-  const actions = {
-    overview: () => choose("overview"),
-    follow: () => choose("follow"),
-    hand: () => {
-      const shown = world();
-      if (shown !== null) shown.handShown = !shown.handShown;
-      show();
-    },
-    show,
+  const toggleHand = (): void => {
+    const shown = world();
+    if (shown !== null) shown.handShown = !shown.handShown;
+    show();
   };
-  overview.addEventListener("click", actions.overview);
-  follow.addEventListener("click", actions.follow);
-  hand.addEventListener("click", actions.hand);
+  buttons.forEach(({ mode, button }) => button.addEventListener("click", choose(mode)));
+  hand.addEventListener("click", toggleHand);
   show();
-  return actions;
+  return { overview: choose("overview"), follow: choose("follow"), top: choose("top"), hand: toggleHand, show };
 }

@@ -1,44 +1,40 @@
-// The log of the flight. It follows the newest line unless the operator scrolled back.
+// The log of the flight. It follows the newest line unless the operator scrolled back. A line shows its moment on the
+// charts when it is chosen, and is marked while the cursor of the charts is at it.
+import { eventKind } from "../data/eventKinds";
 import type { EventInfo } from "../protocol";
 import { byId, element } from "./dom";
 
-interface Kind {
-  icon: string;
-  label: string;
-  tone?: "good" | "warn" | "bad";
-}
-
-const KINDS: Record<string, Kind> = {
-  phase: { icon: "▸", label: "phase" },
-  grasp: { icon: "⊓", label: "grasp", tone: "good" },
-  release: { icon: "⊔", label: "release", tone: "good" },
-  retry: { icon: "⟲", label: "retry", tone: "warn" },
-  reset: { icon: "↺", label: "reset", tone: "warn" },
-  gain: { icon: "◆", label: "gain" },
-  disturbance: { icon: "≈", label: "disturbance", tone: "warn" },
-  fault: { icon: "▲", label: "fault", tone: "bad" },
-  verdict: { icon: "■", label: "verdict" },
-};
 /** Changes of one gain this close together are one drag, s. */
 const DRAG_WITHIN_S = 1;
-const KEPT_LINES = 200;
+const KEPT_LINES = 500;
 const AT_THE_END_PX = 24;
+
+interface Line {
+  event: EventInfo;
+  item: HTMLLIElement;
+}
 
 export class EventLog {
   private readonly list = byId("events");
-  private last: EventInfo | null = null;
+  private lines: Line[] = [];
+  private at: HTMLLIElement | null = null;
+  private firstHeld = -1;
   /** Until the operator scrolls back; a change of the list's size is not the operator. */
   private following = true;
 
-  constructor() {
+  /** `choose`: show this moment on the charts. */
+  constructor(private readonly choose: (event: EventInfo) => void) {
     this.list.addEventListener("scroll", () => (this.following = this.atTheEnd()));
+    this.list.addEventListener("keydown", (event) => this.key(event));
     new ResizeObserver(() => this.follow()).observe(this.list);
   }
 
   rebuild(events: EventInfo[]): void {
     this.list.replaceChildren();
     this.following = true;
-    this.last = null;
+    this.lines = [];
+    this.at = null;
+    this.firstHeld = -1;
     if (events.length === 0) this.list.append(element("li", { className: "empty", textContent: "No events yet." }));
     this.add(events);
   }
@@ -47,16 +43,53 @@ export class EventLog {
     if (events.length === 0) return;
     this.list.querySelector(".empty")?.remove();
     for (const event of events) {
-      if (this.last !== null && continues(this.last, event)) this.list.lastElementChild?.remove();
-      this.list.append(line(event));
-      this.last = event;
+      const last = this.lines.at(-1);
+      if (last !== undefined && continues(last.event, event)) this.lines.pop()?.item.remove();
+      const item = line(event, () => this.choose(event));
+      this.list.append(item);
+      this.lines.push({ event, item });
     }
-    while (this.list.childElementCount > KEPT_LINES) this.list.firstElementChild?.remove();
+    while (this.lines.length > KEPT_LINES) this.lines.shift()?.item.remove();
     this.follow();
   }
 
+  /** Marks the last event at or before the `tick` of the cursor; null takes the mark away. */
+  mark(tick: number | null): void {
+    const item = (tick === null ? undefined : this.lines.filter(({ event }) => event.tick <= tick).at(-1)?.item) ?? null;
+    if (item === this.at) return;
+    this.at?.removeAttribute("aria-current");
+    this.at = item;
+    if (item === null) return this.follow();
+    item.setAttribute("aria-current", "time");
+    this.following = false;
+    item.scrollIntoView({ block: "nearest" });
+  }
+
+  /** Says of events before the oldest tick the charts hold that they left the history. */
+  markGone(firstHeld: number): void {
+    if (firstHeld === this.firstHeld || Number.isNaN(firstHeld)) return;
+    this.firstHeld = firstHeld;
+    for (const { event, item } of this.lines) {
+      const gone = event.tick < firstHeld;
+      if (item.classList.contains("gone") !== gone) {
+        item.classList.toggle("gone", gone);
+        item.title = gone ? `tick ${event.tick}: not in the history of the charts` : `tick ${event.tick}: show it on the charts`;
+      }
+    }
+  }
+
+  private key(event: KeyboardEvent): void {
+    const by = event.key === "ArrowDown" ? 1 : event.key === "ArrowUp" ? -1 : 0;
+    if (by === 0) return;
+    event.preventDefault();
+    const buttons = this.lines.map(({ item }) => item.querySelector("button"));
+    const now = buttons.findIndex((button) => button === document.activeElement);
+    const next = now < 0 ? (by > 0 ? 0 : buttons.length - 1) : Math.min(buttons.length - 1, Math.max(0, now + by));
+    buttons[next]?.focus();
+  }
+
   private follow(): void {
-    if (this.following) this.list.scrollTop = this.list.scrollHeight;
+    if (this.at === null && this.following) this.list.scrollTop = this.list.scrollHeight;
   }
 
   private atTheEnd(): boolean {
@@ -70,14 +103,16 @@ export function continues(last: EventInfo, next: EventInfo): boolean {
   return last.kind === "gain" && next.kind === "gain" && next.t_s - last.t_s < DRAG_WITHIN_S && stem(last.text) === stem(next.text);
 }
 
-function line({ t_s, kind, text, tick }: EventInfo): HTMLLIElement {
-  const known = KINDS[kind] ?? { icon: "·", label: kind };
+function line({ t_s, kind, text, tick }: EventInfo, choose: () => void): HTMLLIElement {
+  const known = eventKind(kind);
   const icon = element("i", { textContent: known.icon, ariaHidden: "true" });
-  const item = element("li", { title: `tick ${tick}` }, [
+  const button = element("button", { tabIndex: -1 }, [
     element("span", { className: "when", textContent: `${t_s.toFixed(2)} s` }),
     element("span", { className: "kind" }, [icon, known.label]),
     element("span", { textContent: text }),
   ]);
+  button.addEventListener("click", choose);
+  const item = element("li", { title: `tick ${tick}: show it on the charts` }, [button]);
   if (known.tone !== undefined) item.dataset["tone"] = known.tone;
   return item;
 }

@@ -1,6 +1,7 @@
 // Gains as the server says they are, and the operator's way back. Nothing here changes a value by itself: a change is a
 // request, and only the server's echo makes it true.
 import type { GainInfo, PresetName } from "../protocol";
+import { formatGain } from "./scale";
 
 export interface Snapshot {
   settings: Setting[];
@@ -18,16 +19,31 @@ export interface Requests {
   preset: PresetName | null;
 }
 
-interface Change {
+export interface Change {
   name: string;
   from: number;
   to: number;
 }
 
-interface Action {
-  changes: Change[];
+/** What is remembered of an action beside its values. */
+export interface About {
   /** Preset in force before and after; "custom" can only be reached gain by gain. */
-  presets: { from: PresetName; to: PresetName } | null;
+  presets?: { from: PresetName; to: PresetName };
+  /** For the list, where the changes do not speak for themselves. */
+  title?: string;
+  /** First tick flown with it. */
+  tick?: number;
+}
+
+interface Action extends About {
+  changes: Change[];
+}
+
+/** One line of the history. */
+export interface Entry {
+  text: string;
+  tick: number | null;
+  undone: boolean;
 }
 
 const NOTHING: Requests = { settings: [], preset: null };
@@ -37,15 +53,25 @@ const ONE_ACTION_MS = 800;
 
 export class GainModel {
   preset: PresetName = "custom";
+  /** Preset chosen last, which the preset values belong to; unknown where the page came later. */
+  base: PresetName | null = null;
   private readonly gains = new Map<string, GainInfo>();
+  private readonly ticks = new Map<string, number>();
   private committedAt = -Infinity;
   private undone: Action[] = [];
   private done: Action[] = [];
 
   load(gains: GainInfo[], preset: PresetName): void {
     this.preset = preset;
+    if (preset !== "custom") this.base = preset;
     this.gains.clear();
     gains.forEach((gain) => this.gains.set(gain.name, { ...gain }));
+  }
+
+  /** Tick numbers of the flight before mean nothing in this one. */
+  forgetTicks(): void {
+    this.ticks.clear();
+    [...this.done, ...this.undone].forEach((action) => delete action.tick);
   }
 
   list(): GainInfo[] {
@@ -56,11 +82,18 @@ export class GainModel {
     return this.gains.get(name);
   }
 
+  /** First tick flown with the value in force; unknown until the gain is changed in this flight. */
+  tickOf(name: string): number | undefined {
+    return this.ticks.get(name);
+  }
+
   /** The server's word on one gain. */
-  echo(name: string, value: number, preset: PresetName): void {
+  echo(name: string, value: number, preset: PresetName, tick?: number): void {
     this.preset = preset;
     const gain = this.gains.get(name);
-    if (gain !== undefined) gain.value = value;
+    if (gain === undefined) return;
+    gain.value = value;
+    if (tick !== undefined) this.ticks.set(name, tick);
   }
 
   /** Differs from the preset by more than the rounding of a decimal number. */
@@ -74,20 +107,20 @@ export class GainModel {
   }
 
   /** Remembers one operator action: a drag, a typed value, a whole preset. */
-  commit(changes: Change[], nowMs = Infinity, presets: Action["presets"] = null): void {
+  commit(changes: Change[], nowMs = Infinity, about: About = {}): void {
     const real = changes.filter((change) => !same(change.from, change.to));
     const [only] = real;
     if (only === undefined) return;
     const last = this.done.at(-1);
     const following = nowMs - this.committedAt < ONE_ACTION_MS;
     this.committedAt = nowMs;
+    this.undone = [];
     if (following && real.length === 1 && last?.changes.length === 1 && last.changes[0]?.name === only.name) {
       last.changes[0].to = only.to;
-      this.undone = [];
+      Object.assign(last, about);
       return;
     }
-    this.done = [...this.done, { changes: real, presets }].slice(-KEPT_CHANGES);
-    this.undone = [];
+    this.done = [...this.done, { changes: real, ...about }].slice(-KEPT_CHANGES);
   }
 
   get canUndo(): boolean {
@@ -115,15 +148,42 @@ export class GainModel {
     return requests(action.changes.map(({ name, to }) => ({ name, value: to })), action.presets?.to);
   }
 
+  /** Every action still known, oldest first; those taken back are at the end. */
+  history(): Entry[] {
+    const entry = (action: Action, undone: boolean): Entry => ({ text: this.describe(action), tick: action.tick ?? null, undone });
+    return [...this.done.map((action) => entry(action, false)), ...this.undone.map((action) => entry(action, true)).reverse()];
+  }
+
+  /** What leads to the state after the first `count` actions of the history, in the order to be asked for. */
+  goTo(count: number): Requests[] {
+    const asked: Requests[] = [];
+    while (this.done.length > count && this.canUndo) asked.push(this.undo());
+    while (this.done.length < count && this.canRedo) asked.push(this.redo());
+    return asked;
+  }
+
   /** Values now, to be handed to `commitSince` when a preset is in force. */
   snapshot(): Snapshot {
     return { settings: this.list().map(({ name, value }) => ({ name, value })), preset: this.preset };
   }
 
   /** Remembers everything that differs from `before` as one action. */
-  commitSince(before: Snapshot): void {
-    const changes = before.settings.map(({ name, value }) => ({ name, from: value, to: this.gains.get(name)?.value ?? value }));
-    this.commit(changes, Infinity, { from: before.preset, to: this.preset });
+  commitSince(before: Snapshot, about: About = { presets: { from: before.preset, to: this.preset } }): void {
+    this.commitBetween(before.settings, this.snapshot().settings, about);
+  }
+
+  /** Remembers everything that differs between two states as one action. */
+  commitBetween(before: Setting[], after: Setting[], about: About): void {
+    const to = new Map(after.map(({ name, value }) => [name, value]));
+    this.commit(before.map(({ name, value }) => ({ name, from: value, to: to.get(name) ?? value })), Infinity, about);
+  }
+
+  private describe({ changes, presets, title }: Action): string {
+    const [only] = changes;
+    if (title !== undefined) return title;
+    if (presets !== undefined && presets.to !== "custom") return `preset ${presets.to}`;
+    if (only === undefined || changes.length > 1) return `${changes.length} gains`;
+    return `${this.gains.get(only.name)?.label ?? only.name} ${formatGain(only.from)} → ${formatGain(only.to)}`;
   }
 }
 
@@ -131,6 +191,7 @@ function requests(settings: Setting[], preset: PresetName | undefined): Requests
   return preset === undefined || preset === "custom" ? { settings, preset: null } : { settings: [], preset };
 }
 
-function same(a: number, b: number): boolean {
+/** Equal but for the rounding of a decimal number. */
+export function same(a: number, b: number): boolean {
   return Math.abs(a - b) <= 1e-9 * Math.max(1, Math.abs(a), Math.abs(b));
 }

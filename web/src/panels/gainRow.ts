@@ -1,12 +1,14 @@
-// One gain: slider, number, unit and the way back to the preset.
+// One gain: slider with a mark at the preset's value, number, unit, tick of effect, and the way back to the preset.
 import type { GainInfo } from "../protocol";
-import { element } from "./dom";
+import { element, setText } from "./dom";
 import { formatGain, positionOf, sliderSteps, valueAt } from "./scale";
 
 /** While dragging, at most this often to the server, ms. */
 const SEND_EVERY_MS = 80;
 /** Without an answer for this long the server's value is shown again, ms. */
 const ANSWER_WITHIN_MS = 1500;
+/** A change that came from elsewhere is marked for this long, ms. */
+const MARKED_MS = 2500;
 
 /** Relative difference below which two values are one after a trip through JSON. */
 const SAME = 1e-9;
@@ -25,10 +27,13 @@ export class GainRow {
   private readonly slider: HTMLInputElement;
   private readonly field: HTMLInputElement | null;
   private readonly revert: HTMLButtonElement;
+  private readonly track: HTMLElement;
+  private readonly tick = element("span", { className: "tick" });
   private before: number | null = null;
   private sentAt = 0;
   private later = 0;
   private unanswered = 0;
+  private marked = 0;
   private readonly steps: number;
   /** Asked for and not yet answered; becomes a step of the history when the server agrees. */
   private asked: { from: number; to: number } | null = null;
@@ -43,16 +48,18 @@ export class GainRow {
     const onOff = min === 0 && max === 1 && step === 1;
     this.slider = element("input", { id, type: onOff ? "checkbox" : "range", min: "0", max: String(this.steps), step: "1" });
     this.slider.ariaLabel = `${label}${unit === "" ? "" : `, ${unit}`}`;
+    this.slider.setAttribute("aria-describedby", "gain-help");
     this.field = onOff ? null : element("input", { type: "number", min: String(min), max: String(max), step: "any", ariaLabel: `${label} as a number` });
     this.revert = element("button", { className: "default", textContent: "↺", ariaLabel: `Back to the preset's ${label}` });
-    const caption = element("label", { htmlFor: id, textContent: label, title: help });
+    this.track = element("span", { className: onOff ? "on-off" : "track" }, onOff ? [this.slider] : [this.slider, element("i", { className: "baseline", ariaHidden: "true" })]);
     this.root = element("div", { className: label.length > 5 ? "gain long" : "gain" }, [
-      caption,
-      this.slider,
+      element("label", { htmlFor: id, textContent: label, title: help }),
+      this.track,
       this.field ?? element("span"),
-      element("span", { className: "unit", textContent: unit }),
+      element("span", { className: "unit" }, [element("span", { textContent: unit }), this.tick]),
       this.revert,
     ]);
+    this.root.dataset["gain"] = name;
     this.listen(onOff);
     this.show(true);
   }
@@ -61,10 +68,12 @@ export class GainRow {
   show(force = false): void {
     const gain = this.gain();
     this.revert.title = `Back to ${formatGain(gain.preset_value)}`;
+    this.track.style.setProperty("--preset-at", String(positionOf(gain.preset_value, gain)));
     if (!force && (this.before !== null || this.unanswered !== 0)) return;
     if (this.slider.type === "checkbox") this.slider.checked = gain.value >= 0.5;
     else this.slider.value = String(Math.round(positionOf(gain.value, gain) * this.steps));
     this.slider.ariaValueText = `${formatGain(gain.value)} ${gain.unit}`;
+    this.fill();
     if (this.field !== null && (force || document.activeElement !== this.field)) this.field.value = formatGain(gain.value);
   }
 
@@ -87,9 +96,23 @@ export class GainRow {
     this.show(true);
   }
 
-  mark(modified: boolean): void {
+  mark(modified: boolean, tick: number | undefined): void {
     this.root.classList.toggle("modified", modified);
     this.revert.tabIndex = modified ? 0 : -1;
+    setText(this.tick, tick === undefined ? "" : `@${tick}`);
+    this.tick.title = tick === undefined ? "" : `in force from tick ${tick}`;
+  }
+
+  /** Somebody else changed it: the eye is led here once. */
+  changedElsewhere(): void {
+    this.root.classList.add("elsewhere");
+    window.clearTimeout(this.marked);
+    this.marked = window.setTimeout(() => this.root.classList.remove("elsewhere"), MARKED_MS);
+  }
+
+  focus(): void {
+    this.slider.focus();
+    this.root.scrollIntoView({ block: "nearest" });
   }
 
   private listen(onOff: boolean): void {
@@ -112,6 +135,10 @@ export class GainRow {
     return valueAt(Number(this.slider.value) / this.steps, this.gain());
   }
 
+  private fill(): void {
+    this.track.style.setProperty("--at", String(Number(this.slider.value) / this.steps));
+  }
+
   /** Marks the field while its text is not yet a request, so that Ctrl+Z belongs to the text. */
   private typing(yes: boolean): void {
     if (this.field !== null) this.field.dataset["typing"] = String(yes);
@@ -127,7 +154,10 @@ export class GainRow {
 
   private fieldKey(event: KeyboardEvent): void {
     if (event.key === "Enter") this.typed();
-    if (event.key === "Escape") this.show(true);
+    if (event.key === "Escape") {
+      this.typing(false);
+      this.show(true);
+    }
     const by = event.key === "ArrowUp" ? 1 : event.key === "ArrowDown" ? -1 : 0;
     if (by === 0) return;
     event.preventDefault();
@@ -137,6 +167,7 @@ export class GainRow {
 
   private drag(value: number): void {
     this.before ??= this.gain().value;
+    this.fill();
     if (this.field !== null) this.field.value = formatGain(value);
     window.clearTimeout(this.later);
     const wait = this.sentAt + SEND_EVERY_MS - performance.now();

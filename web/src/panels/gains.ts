@@ -1,118 +1,183 @@
-// The gains panel: groups of rows, presets, history.
-import type { ClientMessage, GainEcho, GainList, Hello, PresetName } from "../protocol";
+// The gains tab: presets, history buttons, the last change, a filter, and groups of rows.
+import type { ClientMessage, GainEcho, GainInfo, GainList, Hello, PresetName } from "../protocol";
 import { byId, element, setText } from "./dom";
-import { GainModel, type Requests, type Snapshot } from "./gainModel";
+import { GainDesk } from "./gainDesk";
+import type { GainModel } from "./gainModel";
 import { GainRow } from "./gainRow";
+import { remembered } from "./remembered";
 import { formatGain } from "./scale";
+import { spelled } from "./spelled";
 
-const PRESETS: PresetName[] = ["literal", "paper", "tuned"];
+export const PRESETS: PresetName[] = ["literal", "paper", "tuned"];
 
 export class GainPanel {
-  readonly model = new GainModel();
+  readonly desk: GainDesk;
   private rows = new Map<string, GainRow>();
-  private beforePreset: Snapshot | null = null;
   private pointedAt = "";
   private readonly undoButton = byId<HTMLButtonElement>("undo");
   private readonly redoButton = byId<HTMLButtonElement>("redo");
+  private readonly resetButton = byId<HTMLButtonElement>("reset-all");
+  private readonly filter = byId<HTMLInputElement>("gain-filter");
+  private readonly collapsed = remembered<string[]>("twin.collapsed", []);
   private readonly presetButtons: HTMLButtonElement[];
 
-  constructor(private readonly send: (message: ClientMessage) => void) {
+  /** `changed` is called whenever a value or the history may be another one. */
+  constructor(
+    send: (message: ClientMessage) => void,
+    private readonly changed: () => void,
+  ) {
+    this.desk = new GainDesk(send);
     this.presetButtons = PRESETS.map((name) => {
       const button = element("button", { textContent: name, value: name });
-      button.addEventListener("click", () => this.choosePreset(name));
+      button.addEventListener("click", () => this.desk.choosePreset(name));
       return button;
     });
     byId("presets").append(...this.presetButtons);
     this.undoButton.addEventListener("click", () => this.undo());
     this.redoButton.addEventListener("click", () => this.redo());
+    this.resetButton.addEventListener("click", () => this.resetAll());
+    this.filter.addEventListener("input", () => this.applyFilter());
+    this.filter.addEventListener("keydown", (event) => {
+      if (event.key !== "Escape" || this.filter.value === "") return;
+      event.preventDefault();
+      this.filter.value = "";
+      this.applyFilter();
+    });
+  }
+
+  get model(): GainModel {
+    return this.desk.model;
   }
 
   /** Shows the gains of a new connection or flight. */
   rebuild(hello: Hello): void {
-    const open = new Map([...document.querySelectorAll<HTMLDetailsElement>("#gains details")].map((group) => [group.dataset["group"] ?? "", group.open]));
-    this.model.load(hello.gains, hello.preset);
-    this.beforePreset = null;
+    this.desk.rebuild(hello);
     this.rows = new Map();
     const groups = [...new Set(hello.gains.map((gain) => gain.group))];
-    byId("gains").replaceChildren(...groups.map((group) => this.group(group, open.get(group) ?? true)));
+    byId("gains").replaceChildren(...groups.map((group) => this.group(group)), element("p", { className: "none muted", textContent: "No gain has that in its name or help.", hidden: true }));
+    this.applyFilter();
     this.refresh();
   }
 
-  echo({ name, value, preset }: GainEcho): void {
-    this.model.echo(name, value, preset);
+  echo(echo: GainEcho): void {
+    const own = this.desk.echo(echo);
+    const row = this.rows.get(echo.name);
     // A preset's echoes are one action, and its list follows them.
-    if (this.beforePreset === null) this.rows.get(name)?.answered();
+    if (!this.desk.presetPending) row?.answered();
+    if (!own) row?.changedElsewhere();
     this.refresh();
   }
 
   /** A preset is in force. */
-  replace({ gains, preset }: GainList): void {
-    this.model.load(gains, preset);
-    if (this.beforePreset !== null) this.model.commitSince(this.beforePreset);
-    this.beforePreset = null;
+  replace(list: GainList): void {
+    this.desk.replace(list);
     this.refresh();
   }
 
   /** A request was refused: what is shown is the server's value again. */
   refused(): void {
-    this.beforePreset = null;
+    this.desk.refused();
     this.rows.forEach((row) => row.refused());
+    this.refresh();
   }
 
   undo(): void {
-    this.apply(this.model.undo());
+    this.desk.undo();
+    this.refresh();
   }
 
   redo(): void {
-    this.apply(this.model.redo());
+    this.desk.redo();
+    this.refresh();
+  }
+
+  /** Every gain back to the preset chosen last, as one step of the history. */
+  resetAll(): void {
+    this.desk.apply(this.model.list().map(({ name, preset_value }) => ({ name, value: preset_value })), "all back to the preset");
+    this.refresh();
+  }
+
+  /** Brings the slider of `name` in sight and under the keyboard. */
+  focus(name: string): void {
+    this.filter.value = "";
+    this.applyFilter();
+    const row = this.rows.get(name);
+    const group = row?.root.closest("details");
+    if (group !== null && group !== undefined) group.open = true;
+    row?.focus();
   }
 
   values(): Record<string, number> {
     return Object.fromEntries(this.model.list().map(({ name, value }) => [name, value]));
   }
 
-  private apply({ settings, preset }: Requests): void {
-    if (preset !== null) this.send({ type: "preset", name: preset });
-    settings.forEach(({ name, value }) => this.send({ type: "set_gain", name, value }));
-    this.refresh();
-  }
-
-  private choosePreset(name: PresetName): void {
-    this.beforePreset ??= this.model.snapshot();
-    this.send({ type: "preset", name });
-  }
-
-  private group(group: string, open: boolean): HTMLElement {
-    const gains = this.model.list().filter((gain) => gain.group === group);
-    const rows = gains.map((gain) => {
-      const current = (): typeof gain => this.model.get(gain.name) ?? gain;
-      const row = new GainRow(current, {
-        send: (name, value) => this.send({ type: "set_gain", name, value }),
-        commit: (name, from, to) => {
-          this.model.commit([{ name, from, to }], performance.now());
-          this.refresh();
-        },
-        point: (name) => this.point(name),
-      });
-      this.rows.set(gain.name, row);
-      return row.root;
-    });
-    const details = element("details", { open }, [element("summary", { textContent: group }), ...rows]);
-    details.dataset["group"] = group;
-    return details;
-  }
-
-  private refresh(): void {
+  /** Shows what is in force. */
+  refresh(): void {
     this.rows.forEach((row, name) => {
-      row.mark(this.model.modified(name));
+      row.mark(this.model.modified(name), this.model.tickOf(name));
       row.show();
     });
     const count = this.model.modifiedCount();
     setText(byId("modified"), count === 0 ? "as preset" : `${count} changed`);
+    byId("modified").title = `${count} of ${this.model.list().length} gains differ from preset ${this.model.base ?? "chosen last"}`;
+    this.resetButton.disabled = count === 0;
     this.presetButtons.forEach((button) => (button.ariaPressed = String(button.value === this.model.preset)));
     this.undoButton.disabled = !this.model.canUndo;
     this.redoButton.disabled = !this.model.canRedo;
+    this.showLast();
     if (this.pointedAt !== "") this.point(this.pointedAt);
+    this.changed();
+  }
+
+  private showLast(): void {
+    const { last } = this.desk;
+    const line = byId("last-change");
+    const text = last === null ? "No change in this flight yet." : `${last.text} from tick ${last.tick}${last.own ? "" : ", by another client"}`;
+    setText(line, text);
+    line.title = text;
+  }
+
+  private group(group: string): HTMLElement {
+    const rows = this.model.list().filter((gain) => gain.group === group).map((gain) => this.row(gain));
+    const details = element("details", {}, [element("summary", { textContent: group }), ...rows]);
+    details.dataset["group"] = group;
+    details.addEventListener("toggle", () => {
+      // What the filter opens is not the operator's wish.
+      if (this.filter.value !== "") return;
+      const others = this.collapsed.get().filter((name) => name !== group);
+      this.collapsed.set(details.open ? others : [...others, group]);
+    });
+    return details;
+  }
+
+  private row(gain: GainInfo): HTMLElement {
+    const row = new GainRow(() => this.model.get(gain.name) ?? gain, {
+      send: (name, value) => this.desk.request(name, value),
+      commit: (name, from, to) => {
+        const tick = this.model.tickOf(name);
+        this.model.commit([{ name, from, to }], performance.now(), tick === undefined ? {} : { tick });
+        this.refresh();
+      },
+      point: (name) => this.point(name),
+    });
+    this.rows.set(gain.name, row);
+    return row.root;
+  }
+
+  private applyFilter(): void {
+    const wanted = this.filter.value.trim().toLowerCase();
+    this.rows.forEach((row, name) => {
+      const gain = this.model.get(name);
+      row.root.hidden = !`${name} ${gain?.label ?? ""} ${spelled(gain?.label ?? "")} ${gain?.group ?? ""} ${gain?.help ?? ""}`.toLowerCase().includes(wanted);
+    });
+    let found = false;
+    for (const details of document.querySelectorAll<HTMLDetailsElement>("#gains details")) {
+      details.hidden = details.querySelector(".gain:not([hidden])") === null;
+      details.open = wanted !== "" || !this.collapsed.get().includes(details.dataset["group"] ?? "");
+      found ||= !details.hidden;
+    }
+    const none = document.querySelector<HTMLElement>("#gains .none");
+    if (none !== null) none.hidden = found;
   }
 
   private point(name: string): void {
@@ -120,6 +185,8 @@ export class GainPanel {
     if (gain === undefined) return;
     this.pointedAt = name;
     const unit = gain.unit === "" ? "" : ` ${gain.unit}`;
-    setText(byId("gain-help"), `${gain.label}: ${gain.help}. ${formatGain(gain.min)} to ${formatGain(gain.max)}${unit}, preset ${formatGain(gain.preset_value)}.`);
+    const tick = this.model.tickOf(name);
+    const since = tick === undefined ? "" : `, in force from tick ${tick}`;
+    setText(byId("gain-help"), `${gain.label} (${name}): ${gain.help}. ${formatGain(gain.min)} to ${formatGain(gain.max)}${unit}, preset ${formatGain(gain.preset_value)}${since}.`);
   }
 }

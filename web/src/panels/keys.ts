@@ -1,41 +1,38 @@
-// Keys of the console. A key never acts while a text is being typed.
+// The keyboard and the help: both read the list of commands. A key never acts while a text is being typed, nor where
+// the control that has the focus uses it itself.
+import { capsOf, chordOf } from "./chord";
+import type { Command, Commands } from "./commands";
 import { byId, element } from "./dom";
 
-export interface KeyActions {
-  pause(): void;
-  step(): void;
-  restart(): void;
-  undo(): void;
-  redo(): void;
-  overview(): void;
-  follow(): void;
-  hand(): void;
-}
+const OWN_ARROWS = ["ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown", "Home", "End", "PageUp", "PageDown"];
 
-const KEYS: [string[], string][] = [
-  [["Space"], "pause or continue"],
-  [["Ctrl", "→"], "one tick"],
-  [["R"], "restart the flight"],
-  [["Ctrl", "Z"], "undo the last gain change"],
-  [["Ctrl", "Shift", "Z"], "do it again"],
-  [["F"], "camera: the whole task"],
-  [["V"], "camera: beside the vehicle"],
-  [["H"], "close-up of the hand on or off"],
-  [["?"], "this help"],
+/** Headings an operator needs first; the others follow as they come. */
+const FIRST = ["Flight", "Gains", "World", "Charts"];
+
+/** Keys of controls, for the help; the controls themselves listen to them. */
+const CONTROL_KEYS: [string[], string][] = [
   [["↑", "↓"], "in a number field: one step, with Shift ten"],
+  [["←", "→"], "on a slider: one step"],
+  [["Esc"], "close what is open; in a number field: back to the value in force"],
 ];
 
-export function startKeys(actions: KeyActions): void {
+export function startKeys(commands: Commands): void {
   const help = byId<HTMLDialogElement>("help");
-  byId("help-keys").append(...KEYS.map(([keys, what]) => element("tr", {}, [element("td", {}, keyCaps(keys)), element("td", { textContent: what })])));
+  const openHelp = (): void => {
+    byId("help-keys").replaceChildren(...helpRows(commands));
+    help.showModal();
+  };
+  commands.register({ id: "page.help", group: "Page", description: "show all keys", keys: ["?"], action: openHelp });
   byId("help-close").addEventListener("click", () => help.close());
-  byId("help-open").addEventListener("click", () => help.showModal());
+  byId("help-open").addEventListener("click", openHelp);
   document.addEventListener("keydown", (event) => {
-    if (help.open || event.altKey || event.metaKey) return;
-    const action = actionOf(event, actions, () => help.showModal());
-    if (action === null) return;
+    if (event.defaultPrevented || document.querySelector("dialog[open]") !== null) return;
+    const chord = chordOf(event);
+    const command = commands.find(chord);
+    if (command === undefined || takenByFocus(event.target, chord, command)) return;
     event.preventDefault();
-    action();
+    if (event.repeat && command.repeats !== true) return;
+    command.action();
   });
   // A control that was clicked gives the focus back, so that Space goes on meaning pause.
   document.addEventListener("click", (event) => {
@@ -44,32 +41,51 @@ export function startKeys(actions: KeyActions): void {
   });
 }
 
-function actionOf(event: KeyboardEvent, actions: KeyActions, help: () => void): (() => void) | null {
-  const target = event.target instanceof HTMLElement ? event.target : document.body;
-  const typing = target instanceof HTMLInputElement && target.type === "number";
-  if (event.ctrlKey) {
-    if (event.code === "KeyZ" && !(typing && unsent(target))) return event.shiftKey ? actions.redo : actions.undo;
-    return event.key === "ArrowRight" && !typing ? actions.step : null;
+/** The focused control needs this key itself. */
+function takenByFocus(target: EventTarget | null, chord: string, command: Command): boolean {
+  if (!(target instanceof HTMLElement)) return false;
+  const key = chord.split("+").at(-1) ?? chord;
+  if (isTextField(target)) {
+    if (!chord.startsWith("Ctrl+") || OWN_ARROWS.includes(key)) return true;
+    return key === "Z" ? holdsUnsentText(target) : command.whileTyping !== true;
   }
-  if (typing || target instanceof HTMLSelectElement) return null;
-  if (event.key === "?") return help;
-  if (event.repeat) return null;
-  if (event.code === "Space") return usesSpace(target) ? null : actions.pause;
-  if (event.code === "KeyR") return actions.restart;
-  if (event.code === "KeyF") return actions.overview;
-  if (event.code === "KeyV") return actions.follow;
-  return event.code === "KeyH" ? actions.hand : null;
+  if (chord.startsWith("Ctrl+")) return false;
+  if (target instanceof HTMLSelectElement) return true;
+  if (chord === "Space") return target.matches("button, summary, a, input[type=checkbox], [role=option], [role=tab]");
+  return OWN_ARROWS.includes(key) && target.matches("input[type=range], [role=radio], [role=tab], [role=log], [role=option]");
 }
 
-/** The field holds text the browser itself can undo. */
-function unsent(field: HTMLInputElement): boolean {
-  return field.matches(":focus") && field.dataset["typing"] === "true";
+function isTextField(target: HTMLElement): boolean {
+  return target.isContentEditable || target.matches("textarea, input:not([type=range], [type=checkbox], [type=radio], [type=button])");
 }
 
-function usesSpace(target: HTMLElement): boolean {
-  return target.matches("button, summary, input[type=checkbox]");
+/** The browser itself can undo what was typed: any text, but a number only until it is sent. */
+function holdsUnsentText(field: HTMLElement): boolean {
+  return !field.matches("input[type=number]") || field.dataset["typing"] === "true";
 }
 
-function keyCaps(keys: string[]): Node[] {
-  return keys.flatMap((key, index) => [...(index > 0 ? [document.createTextNode(" ")] : []), element("kbd", { textContent: key })]);
+function helpRows(commands: Commands): Node[] {
+  const place = (group: string): number => (FIRST.indexOf(group) + FIRST.length + 1) % (FIRST.length + 1);
+  const groups = [...commands.groups()].sort(([a], [b]) => place(a) - place(b));
+  const rows = groups.flatMap(([group, all]) => {
+    const keyed = all.filter(({ keys }) => keys.length > 0);
+    if (keyed.length === 0) return [];
+    return [heading(group), ...keyed.map(({ id, keys, description }) => row(keys.map(capsOf), description, id))];
+  });
+  return [...rows, heading("Controls"), ...CONTROL_KEYS.map(([caps, what]) => row([caps], what, ""))];
+}
+
+function heading(group: string): HTMLElement {
+  return element("tr", {}, [element("th", { colSpan: 2, scope: "colgroup", textContent: group })]);
+}
+
+function row(chords: string[][], what: string, id: string): HTMLElement {
+  const caps = chords.flatMap((chord, index) => [...(index === 0 ? [] : [" or "]), ...keyCaps(chord)]);
+  const made = element("tr", {}, [element("td", {}, caps), element("td", { textContent: what })]);
+  made.dataset["command"] = id;
+  return made;
+}
+
+export function keyCaps(caps: string[]): (Node | string)[] {
+  return caps.flatMap((cap, index) => [...(index === 0 ? [] : [" "]), element("kbd", { textContent: cap })]);
 }

@@ -1,4 +1,5 @@
-// Short messages to this operator: a refused gain, something unreadable. Errors stay until they are closed.
+// Short messages to this operator: a refused gain, something unreadable. Errors stay until they are closed. They have a
+// place of their own above the event log and cover nothing.
 import type { NoticeLevel } from "../protocol";
 import { byId, element } from "./dom";
 
@@ -11,7 +12,6 @@ export function notify(level: NoticeLevel, text: string): void {
   const same = [...root.children].find((child) => child.querySelector("p")?.textContent === text);
   same?.remove();
   const body = element("p", { textContent: text });
-  body.style.margin = "0";
   const close = element("button", { textContent: "✕", ariaLabel: "Close this message" });
   const notice = element("div", { className: "notice" }, [element("span", { textContent: ICONS[level], ariaHidden: "true" }), body, close]);
   notice.dataset["level"] = level;

@@ -1,4 +1,5 @@
 // Dark or light: the system's choice until the operator makes one. Canvas drawing needs the colours as values.
+import { tokenReader } from "../style/tokens";
 
 export interface Palette {
   ink: string;
@@ -12,6 +13,8 @@ export interface Palette {
   floor: string;
   ground3d: string;
   panel: string;
+  focus: string;
+  warn: string;
 }
 
 const STORED = "twin.theme";
@@ -22,8 +25,7 @@ function isTheme(text: string | null): text is Theme {
 }
 
 export function readPalette(): Palette {
-  const style = getComputedStyle(document.documentElement);
-  const value = (name: string): string => style.getPropertyValue(`--${name}`).trim();
+  const value = tokenReader();
   return {
     ink: value("ink"),
     muted: value("muted"),
@@ -36,6 +38,8 @@ export function readPalette(): Palette {
     floor: value("floor"),
     ground3d: value("ground-3d"),
     panel: value("panel"),
+    focus: value("focus"),
+    warn: value("warn"),
   };
 }
 

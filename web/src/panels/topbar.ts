@@ -6,7 +6,7 @@ import { byId, option, setText } from "./dom";
 
 /** The only verdict that is a success. */
 const COMPLETED = "completed";
-const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5];
+const SPEEDS = [0.01, 0.1, 0.25, 0.5, 1, 2, 5, 10, 20];
 const PHASES: Record<StateInfo["phase"], { text: string; tone: string }> = {
   flying: { text: "● flying", tone: "good" },
   paused: { text: "❚❚ paused", tone: "warn" },
@@ -35,16 +35,28 @@ export class TopBar {
     this.link.send({ type: "pause", paused: this.store.state?.phase === "flying" });
   }
 
-  step(): void {
+  /** Flies `ticks` and holds. */
+  step(ticks = 1): void {
     if (this.store.state?.phase === "flying") this.link.send({ type: "pause", paused: true });
-    this.link.send({ type: "step", ticks: 1 });
+    this.link.send({ type: "step", ticks });
   }
 
-  /** Restarts the flight, or starts the scenario that was chosen since. */
-  restart(): void {
+  /** Restarts the flight, or starts the scenario that was chosen since; with `seed`, or the one in use for null. */
+  restart(seed: number | null = null): void {
     const chosen = this.scenario.value;
     const scenario = chosen === "" || chosen === this.store.state?.scenario ? null : chosen;
-    this.link.send({ type: "restart", seed: null, scenario });
+    this.link.send({ type: "restart", seed, scenario });
+  }
+
+  /** The next speed on the list, `by` places on. */
+  faster(by: number): void {
+    const values = SPEEDS.filter((value) => Math.sign(value - this.speedNow) === by);
+    const next = by > 0 ? values[0] : values.at(-1);
+    if (next !== undefined) this.link.send({ type: "speed", value: next });
+  }
+
+  private get speedNow(): number {
+    return this.store.state?.speed ?? Infinity;
   }
 
   rebuild(): void {
@@ -89,10 +101,8 @@ export class TopBar {
     const age = health.ageMs(now, flying);
     byId("link").dataset["tone"] = stale ? "bad" : "good";
     setText(byId("age"), Number.isFinite(age) ? ageText(age) : "–");
-    setText(byId("frames"), `${health.framesPerSecond(now)}/s`);
-    setText(byId("gaps"), String(health.gapTicks));
     const round = Number.isFinite(health.roundTripMs) ? `${health.roundTripMs.toFixed(1)} ms` : "unknown";
-    byId("link").title = `round trip ${round}; ${health.gapCount} gaps, ${health.gapTicks} ticks lost`;
+    byId("link").title = `Link health (L): round trip ${round}; ${health.gapTicks} ticks lost in ${health.gapCount} gaps`;
   }
 
   private arm(): void {

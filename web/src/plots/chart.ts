@@ -1,178 +1,216 @@
 // One chart: a heading with the newest (or pointed-at) values, and the plot.
 import uPlot from "uplot";
-import { decimate, type Sample } from "../data/decimate";
-import { lowerBound } from "../data/ring";
+import { decimate, type Sample, type Trace } from "../data/decimate";
 import type { Store } from "../data/store";
-import { element } from "../panels/dom";
-import type { Palette } from "../panels/theme";
-import { drawResets, drawUnknown } from "./marks";
+import { element, setText } from "../panels/dom";
+import type { ChannelInfo } from "../protocol";
+import type { ChartColors } from "./colors";
+import type { Frame } from "./frame";
+import { drawBehind, drawLimits, drawMarks, drawUnknown } from "./marks";
+import { chartOptions, colorOf, plotSize } from "./options";
+import type { Panel, Picture, SeriesReading } from "./panel";
 import { boundsOf, type Bounds, decadeRange, formatValue, linearRange } from "./range";
 import type { ChartSpec, SeriesSpec } from "./spec";
+import type { Span } from "./view";
 
-export interface ChartStyle {
-  palette: Palette;
-  lineWidth: number;
-  /** The last chart of the column carries the labels of the shared clock. */
-  clock: boolean;
-}
+/** Words for those who do not see the chart change this seldom, ms. */
+const SPEAK_EVERY_MS = 2000;
+/** Nobody reads a number that changes more often; at a cursor it follows at once, ms. */
+const WRITE_EVERY_MS = 250;
 
-const AXIS_FONT = "11px system-ui, DejaVu Sans, sans-serif";
-const AXIS_WIDTH_PX = 46;
-const CLOCK_HEIGHT_PX = 22;
-
-export class Chart {
+export class Chart implements Panel {
   readonly root: HTMLElement;
-  /** Not on the screen: not worth drawing. */
   visible = true;
-  drawnAt = -Infinity;
-  drawnTick = NaN;
+  round = -1;
   private readonly plot: uPlot;
   private readonly outputs: HTMLOutputElement[];
   private readonly series: SeriesSpec[];
-  private xRange: Bounds = [0, 1];
+  private readonly channels: ChannelInfo[];
+  private readonly limits: Bounds[];
+  private readonly unit = element("span", { className: "muted" });
+  private readonly sizes: ResizeObserver;
   private yRange: Bounds | null = null;
   private x: number[] = [];
   private values: Sample[][] = [];
-  private resets: number[] = [];
+  private frame: Frame | null = null;
+  private traces: Trace[] = [];
+  private spokenAt = -Infinity;
+  private writtenAt = -Infinity;
+  private zscore = false;
+  /** A forecast came in since the chart was made; a forecaster that looks no further never gives one. */
+  private foresees = false;
 
+  /** `tools`: what the heading carries besides the title. */
   constructor(
-    private readonly spec: ChartSpec,
+    readonly spec: ChartSpec,
     private readonly store: Store,
-    private readonly style: ChartStyle,
+    private readonly colors: ChartColors,
+    lineWidth: number,
+    tools: Node[],
   ) {
     this.series = spec.series.filter(({ channel }) => store.channel(channel) !== undefined);
+    this.channels = this.series.flatMap(({ channel }) => store.channel(channel) ?? []);
+    this.limits = distinct(this.channels.flatMap(({ limits }) => (limits === null ? [] : [limits])));
     this.outputs = this.series.map(() => element("output", { ariaLive: "off" }));
     const plotRoot = element("div", { className: "plot" });
-    this.root = element("article", { className: "chart", ariaLabel: spec.title }, [this.heading(), plotRoot]);
-    this.plot = new uPlot(this.options(), [[], ...this.series.map(() => [])], plotRoot);
-    new ResizeObserver(() => this.plot.setSize({ width: plotRoot.clientWidth, height: plotRoot.clientHeight })).observe(plotRoot);
+    this.root = element("article", { className: spec.tall === true ? "chart tall" : "chart", ariaLabel: spec.title, tabIndex: 0, role: "figure" }, [this.heading(tools), plotRoot]);
+    this.root.dataset["key"] = spec.key;
+    const source = {
+      xRange: (): Bounds => this.frame?.span ?? [0, 1],
+      yRange: (): Bounds => this.yRange ?? [0.1, 1],
+      drawBehind: (plot: uPlot) => this.frame !== null && drawBehind(plot, this.frame, colors, spec.resetIcon === true),
+      drawOver: (plot: uPlot) => this.drawOver(plot),
+    };
+    this.plot = new uPlot(chartOptions(spec, this.series, colors, lineWidth, source), [[], ...this.series.map(() => [])], plotRoot);
+    this.sizes = new ResizeObserver(() => this.plot.setSize({ width: plotRoot.clientWidth, height: plotRoot.clientHeight }));
+    this.sizes.observe(plotRoot);
   }
 
-  /** Draws the stretch of history that ends at `to`, s. */
-  refresh(from: number, to: number, ticksPerBucket: number): void {
-    const { ring, timeOf } = this.store;
-    const stamps = ring.stampView();
-    const columns = this.series.map(({ channel }) => this.store.column(channel) ?? new Float32Array());
-    const tickS = this.store.hello?.tick_s ?? 0.01;
-    const first = Math.max(0, lowerBound(stamps, from / tickS - 1) - 1);
-    const out = decimate(stamps, columns, first, stamps.length, ticksPerBucket, timeOf);
+  get over(): HTMLElement {
+    return this.plot.over;
+  }
+
+  refresh(frame: Frame): void {
+    this.frame = frame;
+    if (frame.zscore !== this.zscore) this.yRange = null;
+    this.zscore = frame.zscore;
+    this.traces = this.series.map((series, k) => ({
+      column: this.store.index(series.channel) ?? -1,
+      shift: series.ahead === true ? this.store.horizonTicks : 0,
+      scale: this.scale(k),
+    }));
+    const out = decimate(this.store.history, this.traces, frame.ticks[0], frame.ticks[1], frame.bucket, this.store.timeOf);
     this.x = out.x;
     this.values = this.spec.logarithmic === true ? out.series.map(positive) : out.series;
-    this.xRange = [from, to];
-    const bounds = boundsOf(this.values, this.spec.logarithmic === true);
-    this.yRange = this.spec.logarithmic === true ? decadeRange(this.yRange, bounds) : linearRange(this.yRange, bounds, this.spec.smallestSpan);
-    this.resets = this.store.resets.map(timeOf).filter((time) => time >= from);
+    this.fit();
+    this.showForecast();
+    this.showUnit();
     this.plot.setData([this.x, ...this.values] as uPlot.AlignedData);
-    this.showValues();
   }
 
-  /** What is drawn is no longer right, whatever the tick. */
-  expire(): void {
-    this.drawnAt = -Infinity;
-    this.drawnTick = NaN;
+  /** Puts the cursor at `time` (null: none) and shows the values there, the newest without one. */
+  point(time: number | null, now: number): void {
+    if (this.frame === null) return;
+    const [from, to] = this.frame.span;
+    const left = time === null || time < from || time > to ? -10 : ((time - from) / (to - from)) * plotSize(this.plot)[0];
+    this.plot.setCursor({ left, top: left < 0 ? -10 : 1 }, false);
+    if (time !== null || now - this.writtenAt >= WRITE_EVERY_MS) {
+      this.writtenAt = time === null ? now : -Infinity;
+      this.outputs.forEach((output, k) => setText(output, formatValue(this.valueAt(k, time))));
+    }
+    if (now - this.spokenAt < SPEAK_EVERY_MS) return;
+    this.spokenAt = now;
+    this.root.ariaLabel = this.sentence(time);
+  }
+
+  /** Marks the stretch between two parts of the width as chosen; null takes the mark away. */
+  select(part: [number, number] | null): void {
+    const [width, height] = plotSize(this.plot);
+    const [from, to] = part ?? [0, 0];
+    this.plot.setSelect({ left: from * width, width: (to - from) * width, top: 0, height: part === null ? 0 : height }, false);
+  }
+
+  readings(time: number | null): SeriesReading[] {
+    return this.series.map(({ channel, label }, k) => ({
+      channel,
+      label,
+      value: this.valueAt(k, time),
+      plotted: boundsOf([this.values[k] ?? []], false),
+      breaks: (this.values[k] ?? []).filter((value) => value === null).length,
+    }));
+  }
+
+  /** One sentence with the values at `time`, the newest for null. */
+  sentence(time: number | null): string {
+    const values = this.series.map(({ label }, k) => {
+      const value = this.valueAt(k, time);
+      return `${label} ${Number.isNaN(value) ? "unknown" : formatValue(value)} ${this.unitOf(k)}`.trim();
+    });
+    return `${this.spec.title}: ${values.join(", ")}`;
+  }
+
+  picture(): Picture {
+    return {
+      title: `${this.spec.title}${this.unit.textContent ?? ""}`,
+      entries: this.series.map((series, k) => ({ label: series.label, text: this.outputs[k]?.textContent ?? "", color: colorOf(series, this.colors), dash: series.dash ?? [] })),
+      canvas: this.plot.ctx.canvas,
+    };
   }
 
   destroy(): void {
+    this.sizes.disconnect();
     this.plot.destroy();
     this.root.remove();
   }
 
-  private heading(): HTMLElement {
-    const units = [...new Set(this.series.map(({ channel }) => this.store.channel(channel)?.unit ?? ""))].filter((unit) => unit !== "");
-    const unit = element("span", { className: "muted", textContent: units.length === 0 ? "" : ` ${units.join(", ")}` });
+  /** Value of a series at `time`, the newest of the frame for null. */
+  private valueAt(k: number, time: number | null): number {
+    const newest = this.frame?.newest ?? this.store.history.last;
+    const tick = time === null ? newest : this.store.tickAt(time) - (this.traces[k]?.shift ?? 0);
+    return this.store.at(this.series[k]?.channel ?? "", tick) * this.scale(k);
+  }
+
+  private drawOver(plot: uPlot): void {
+    if (this.frame === null) return;
+    if (this.limits.length > 0) drawLimits(plot, this.limits, this.colors);
+    this.series.forEach((series, k) => {
+      if (series.ahead !== true || this.foresees) drawUnknown(plot, this.x, this.values[k] ?? [], k, colorOf(series, this.colors), this.lost(k));
+    });
+    drawMarks(plot, this.frame, this.colors, this.spec.resetIcon === true, this.foresees);
+  }
+
+  /** Stretches in which nothing can be known of a series, because its ticks were lost, s. */
+  private lost(k: number): Span[] {
+    const bucket = (this.frame?.bucket ?? 1) * this.store.tickS;
+    const shift = (this.traces[k]?.shift ?? 0) * this.store.tickS;
+    return (this.frame?.gaps ?? []).map(([from, to]): Span => [from + shift - bucket, to + shift + bucket]);
+  }
+
+  private fit(): void {
+    const logarithmic = this.spec.logarithmic === true;
+    const bounds = boundsOf([...this.values, ...this.limits], logarithmic);
+    this.yRange = logarithmic ? decadeRange(this.yRange, bounds) : linearRange(this.yRange, bounds, this.spec.smallestSpan);
+  }
+
+  /** Factor on the values of a series: one over its scale where z-scores are asked for. */
+  private scale(k: number): number {
+    const z = this.channels[k]?.z_scale;
+    return this.spec.zscore === true && this.frame?.zscore === true && z !== null && z !== undefined ? 1 / z : 1;
+  }
+
+  /** The key names a forecast once there is one. */
+  private showForecast(): void {
+    if (this.foresees) return;
+    const of = this.series.findIndex(({ ahead }) => ahead === true);
+    this.foresees = (this.values[of] ?? []).some((value) => typeof value === "number");
+    const entry = this.outputs[of]?.parentElement;
+    if (entry !== null && entry !== undefined) entry.hidden = !this.foresees;
+  }
+
+  private unitOf(k: number): string {
+    return this.scale(k) === 1 ? (this.channels[k]?.unit ?? "") : "";
+  }
+
+  private showUnit(): void {
+    const scored = this.series.some((_, k) => this.scale(k) !== 1);
+    const units = [...new Set(this.channels.map(({ unit }) => unit))].filter((unit) => unit !== "");
+    setText(this.unit, scored ? " z" : units.length === 0 ? "" : ` ${units.join(", ")}`);
+  }
+
+  private heading(tools: Node[]): HTMLElement {
+    this.showUnit();
     const key = this.series.map((series, k) => {
       const line = element("i", { className: series.dash === undefined ? "line" : "line dashed" });
-      line.style.color = this.style.palette[series.color];
+      line.style.color = colorOf(series, this.colors);
       const output = this.outputs[k];
-      return element("li", { title: this.store.channel(series.channel)?.label ?? "" }, [line, series.label, ...(output === undefined ? [] : [output])]);
+      return element("li", { title: `${this.channels[k]?.label ?? ""} (${series.channel})` }, [line, series.label, ...(output === undefined ? [] : [output])]);
     });
-    return element("header", { className: "chart-head" }, [element("h3", { title: this.spec.title }, [this.spec.title, unit]), element("ul", {}, key)]);
-  }
-
-  /** Values under the pointer while there is one, else the newest. */
-  private showValues(): void {
-    const left = this.plot.cursor.left ?? -1;
-    const index = left >= 0 && this.x.length > 0 ? this.plot.posToIdx(left) : -1;
-    this.outputs.forEach((output, k) => {
-      const series = this.series[k];
-      const value = index >= 0 ? this.values[k]?.[index] : this.store.latest(series?.channel ?? "");
-      const text = formatValue(value);
-      if (output.textContent !== text) output.textContent = text;
-    });
-  }
-
-  private options(): uPlot.Options {
-    const { palette, lineWidth } = this.style;
-    return {
-      width: 300,
-      height: 100,
-      padding: [6, 16, 2, 0],
-      legend: { show: false },
-      cursor: { y: false, sync: { key: "twin", scales: ["x", null] }, drag: { x: false, y: false }, points: { show: false } },
-      scales: {
-        x: { time: false, range: () => this.xRange },
-        y: { distr: this.spec.logarithmic === true ? 3 : 1, range: () => this.yRange ?? [0.1, 1] },
-      },
-      axes: this.axes(),
-      series: [
-        {},
-        ...this.series.map(
-          (series): uPlot.Series => ({
-            stroke: palette[series.color],
-            width: lineWidth,
-            points: { show: false },
-            ...(series.dash === undefined ? {} : { dash: series.dash }),
-            ...(series.stepped === true && uPlot.paths.stepped !== undefined ? { paths: uPlot.paths.stepped({ align: 1 }) } : {}),
-          }),
-        ),
-      ],
-      hooks: {
-        setCursor: [() => this.showValues()],
-        draw: [
-          (plot) => drawUnknown(plot, this.x, this.values, this.series.map((series) => palette[series.color])),
-          (plot) => drawResets(plot, this.resets, palette.ink, this.spec.resetIcon === true),
-        ],
-      },
-    };
-  }
-
-  private axes(): uPlot.Axis[] {
-    const { palette, clock } = this.style;
-    const common = {
-      stroke: palette.muted,
-      font: AXIS_FONT,
-      grid: { stroke: palette.grid, width: 1 },
-      ticks: { show: false },
-    };
-    return [
-      {
-        ...common,
-        size: clock ? CLOCK_HEIGHT_PX : 2,
-        gap: 3,
-        space: 60,
-        values: (_, splits) => (clock ? splits.map((split) => `${Number(split.toFixed(3))} s`) : splits.map(() => "")),
-      },
-      {
-        ...common,
-        size: AXIS_WIDTH_PX,
-        gap: 4,
-        space: 24,
-        values: (_, splits) => splits.map((split) => (split === null ? "" : axisText(split))),
-        ...(this.spec.logarithmic === true ? { filter: decadesOnly, grid: { ...common.grid, filter: decadesOnly } } : {}),
-      },
-    ];
+    return element("header", { className: "chart-head" }, [element("h3", { title: this.spec.title }, [this.spec.title, this.unit]), ...tools, element("ul", {}, key)]);
   }
 }
 
-/** Only powers of ten are labelled on a logarithmic axis. */
-function decadesOnly(_: uPlot, splits: number[]): (number | null)[] {
-  return splits.map((split) => (Math.abs(Math.log10(split) - Math.round(Math.log10(split))) < 1e-9 ? split : null));
-}
-
-function axisText(value: number): string {
-  const size = Math.abs(value);
-  const text = size !== 0 && (size >= 1e5 || size < 1e-3) ? value.toExponential() : String(Number(value.toPrecision(6)));
-  return text.replace("-", "−").replace("e+", "e");
+function distinct(limits: Bounds[]): Bounds[] {
+  return limits.filter(([low, high], index) => limits.findIndex((other) => other[0] === low && other[1] === high) === index);
 }
 
 /** A logarithm has no place for zero, yet zero is a value: no point there, and no mark for an unknown one. */

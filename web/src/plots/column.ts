@@ -1,97 +1,313 @@
-// The column of charts on one clock, drawn within a budget: each at most ten times a second, few of them per frame.
-import { bucketTicks } from "../data/decimate";
+// The column of charts on one clock, drawn in rounds within a budget: at most ten rounds a second, few charts per frame,
+// and all charts of a round from the same frame of data.
 import type { Store } from "../data/store";
-import { byId, element, option, radioGroup } from "../panels/dom";
-import type { Palette } from "../panels/theme";
-import { Chart } from "./chart";
-import { chartSpecs, symbolOf } from "./spec";
+import { byId, option, radioGroup, setText } from "../panels/dom";
+import { notify } from "../panels/notices";
+import type { EventInfo } from "../protocol";
+import { addOwn, load, type OwnChart, save, standard, WINDOWS_S } from "./arrangement";
+import { registerChartActions, registerChartKeys } from "./chartKeys";
+import { readColors } from "./colors";
+import { saveCsv, savePng } from "./files";
+import { ChartFoot } from "./foot";
+import { type Frame, rangeOf, takeFrame } from "./frame";
+import { ChartMenu } from "./menu";
+import { AXIS_WIDTH_PX, RIGHT_PX } from "./options";
+import type { Panel, SeriesReading } from "./panel";
+import { Panels } from "./panels";
+import { ChannelPicker } from "./picker";
+import { listenPan, listenPointer } from "./pointer";
+import { RangeTable } from "./rangeTable";
+import { symbolOf } from "./spec";
+import { Timeline } from "./timeline";
+import { MarkTip } from "./tip";
+import { View } from "./view";
 
-const REDRAW_MS = 100;
-const WINDOWS_S = [5, 10, 20, 60];
-const FIRST_WINDOW_S = 20;
+const ROUND_MS = 100;
+/** A round is spread over so much time, ms: one chart per frame while frames come fast, more of them while they do not. */
+const SPREAD_MS = { software: 250, hardware: 100 };
+/** Words about the cursor come once it rests, ms. */
+const SPEAK_AFTER_MS = 500;
 
 export class ChartColumn {
-  private charts: Chart[] = [];
-  private row = "z";
-  private windowS = FIRST_WINDOW_S;
+  /** Called with the tick under the cursor when it changes; null for none. */
+  onCursor: (tick: number | null) => void = () => undefined;
+  readonly view: View;
+  readonly arrangement = load();
+  readonly table: RangeTable;
   private readonly root = byId("charts");
-  private readonly watcher = new IntersectionObserver((entries) => this.seen(entries));
+  private readonly panels: Panels;
+  private readonly timeline: Timeline;
+  private readonly foot: ChartFoot;
+  private readonly tip = new MarkTip();
+  private readonly menu: ChartMenu;
+  private readonly picker: ChannelPicker;
+  private readonly windows = byId<HTMLSelectElement>("window");
+  private colors = readColors();
+  private current: Frame | null = null;
+  private round = 0;
+  private roundAt = -Infinity;
+  private frameAt = -Infinity;
+  private drawnVersion = -1;
+  private drawnEvents: EventInfo[] | null = null;
+  private expired = true;
+  private cursor: number | null = null;
+  private speech = 0;
+  private spectrum = false;
+  /** File that is mirrored; null for a simulated flight. */
+  private recording: string | null = null;
 
   constructor(
     private readonly store: Store,
-    private palette: Palette,
     private readonly software: boolean,
   ) {
-    const select = byId<HTMLSelectElement>("window");
-    select.append(...WINDOWS_S.map((seconds) => option(String(seconds), `${seconds} s`, seconds === FIRST_WINDOW_S)));
-    select.addEventListener("change", () => {
-      this.windowS = Number(select.value);
-      this.redraw();
+    const now = (): number => Math.max(0, store.timeOf(store.lastTick));
+    const oldest = (): number => (store.history.length === 0 ? 0 : store.timeOf(store.history.first));
+    this.view = new View({ now, oldest });
+    this.view.windowS = this.arrangement.windowS;
+    this.table = new RangeTable(store, this.view);
+    this.timeline = new Timeline(this.colors);
+    this.foot = new ChartFoot(this.view);
+    this.panels = new Panels(this.root, store, software ? 1 : 1.5, { made: (panel) => this.listen(panel), toggleZscore: () => this.toggleZscore() });
+    this.menu = new ChartMenu({
+      changed: () => this.changed(),
+      edit: (own) => this.edit(own),
+      add: () => this.add(),
+      reset: () => this.toDefault(),
+      clearMarkers: () => {
+        this.view.markers = [];
+        this.view.version += 1;
+      },
     });
+    this.picker = new ChannelPicker({
+      changed: () => this.changed(),
+      remove: (own) => {
+        this.arrangement.own = this.arrangement.own.filter((other) => other !== own);
+        this.changed();
+      },
+    });
+    this.windows.append(...WINDOWS_S.map((seconds) => option(String(seconds), seconds < 100 ? `${seconds} s` : `${seconds / 60} min`, seconds === this.view.windowS)));
+    this.windows.addEventListener("change", () => this.chooseWindow(Number(this.windows.value)));
+    const hover = (event: PointerEvent | null): void => this.hover(event);
+    listenPan(this.timeline.root, this.view, () => this.plotWidth(), { hover, click: (event) => this.clickMark(event) });
+    registerChartKeys({ view: this.view, tickS: () => store.tickS, oldest, newest: now, moved: () => this.speakSoon() });
+    const files = { saveCsv: () => saveCsv(this.store, this.view.span(), this.panels.list), savePng: () => this.picture() };
+    const chosen = { toggleZscore: () => this.toggleZscore(), add: () => this.add(), toDefault: () => this.toDefault() };
+    registerChartActions({ ...files, ...chosen, forgetRange: () => this.view.clearRange() });
+    byId("save-csv").addEventListener("click", files.saveCsv);
+    byId("save-png").addEventListener("click", files.savePng);
   }
 
   /** Rows and channels may have changed. */
   rebuild(): void {
     const rows = this.store.rows();
-    if (!rows.includes(this.row)) this.row = rows[0] ?? "";
-    radioGroup(byId("rows"), rows.map((row) => ({ value: row, label: symbolOf(row) })), this.row, (row) => {
-      this.row = row;
-      this.build();
+    if (!rows.includes(this.arrangement.row)) this.arrangement.row = rows.includes("z") ? "z" : (rows[0] ?? "");
+    radioGroup(byId("rows"), rows.map((row) => ({ value: row, label: symbolOf(row) })), this.arrangement.row, (row) => {
+      this.arrangement.row = row;
+      this.changed();
     });
-    this.build();
+    this.view.leadS = this.store.horizonTicks * this.store.tickS;
+    const recording = this.store.hello?.mirror?.file ?? null;
+    this.view.clear(recording !== null && recording === this.recording);
+    this.recording = recording;
+    this.sync(true);
   }
 
-  recolor(palette: Palette): void {
-    this.palette = palette;
-    this.build();
+  recolor(): void {
+    this.colors = readColors();
+    this.timeline.recolor(this.colors);
+    if (this.store.hello !== null) this.sync(true);
   }
 
-  /** Everything is to be drawn again, new data or not. */
-  redraw(): void {
-    this.charts.forEach((chart) => chart.expire());
+  /** Another flight, or another moment of a recording: no line of the old one is on the charts any more. */
+  clear(): void {
+    this.view.clear(this.recording !== null);
+    this.expired = true;
   }
 
   /** Draws what is due. */
   frame(now: number): void {
     if (this.store.hello === null) return;
-    const tick = this.store.lastTick;
-    const due = this.charts.filter((chart) => chart.visible && chart.drawnTick !== tick && now - chart.drawnAt >= REDRAW_MS);
-    due.sort((a, b) => a.drawnAt - b.drawnAt);
-    const [from, to] = this.span();
-    const width = Math.max(100, this.root.clientWidth - 60);
-    const bucket = bucketTicks(this.windowS / this.store.hello.tick_s, width / 2);
-    for (const chart of due.slice(0, this.software ? 1 : 2)) {
-      chart.refresh(from, to, bucket);
-      chart.drawnAt = now;
-      chart.drawnTick = tick;
+    if (this.panels.hasSpectrum() !== this.spectrum) this.sync(false);
+    const due = this.panels.list.filter(({ visible, round }) => visible && round !== this.round).sort((a, b) => a.round - b.round);
+    const touched = this.view.version !== this.drawnVersion || this.expired;
+    if (touched || (due.length === 0 && now - this.roundAt >= ROUND_MS && this.outdated())) {
+      this.begin(now);
+      due.splice(0, due.length, ...this.panels.list.filter(({ visible }) => visible).sort((a, b) => a.round - b.round));
     }
+    const frame = this.current;
+    if (frame === null) return;
+    for (const panel of due.slice(0, this.budget(now, touched))) this.draw(panel, frame, now);
+    this.point(frame, now);
+    this.frameAt = now;
   }
 
-  private span(): [number, number] {
-    const now = this.store.timeOf(this.store.lastTick);
-    const from = Math.max(0, now - this.windowS);
-    return [from, from + this.windowS];
-  }
-
-  private build(): void {
-    this.charts.forEach((chart) => chart.destroy());
-    this.watcher.disconnect();
-    if (this.store.hello === null) return;
-    const specs = chartSpecs(this.row);
-    const lineWidth = this.software ? 1 : 1.5;
-    this.charts = specs.map((spec, index) => new Chart(spec, this.store, { palette: this.palette, lineWidth, clock: index === specs.length - 1 }));
-    this.root.replaceChildren(...this.charts.map((chart) => chart.root));
-    if (this.charts.length === 0) this.root.append(element("p", { textContent: "No channels." }));
-    this.charts.forEach((chart) => this.watcher.observe(chart.root));
-    this.redraw();
-  }
-
-  private seen(entries: IntersectionObserverEntry[]): void {
-    for (const entry of entries) {
-      const chart = this.charts.find((candidate) => candidate.root === entry.target);
-      if (chart === undefined) continue;
-      chart.visible = entry.isIntersecting;
-      chart.expire();
+  /** Shows the moment of an event, held; false if it left the history. */
+  showEvent({ tick }: EventInfo): boolean {
+    const { history } = this.store;
+    if (!history.holds(tick)) {
+      const kept = history.length === 0 ? "nothing yet" : `${this.store.timeOf(history.first).toFixed(1)} s to ${this.store.timeOf(history.last).toFixed(1)} s`;
+      notify("info", `that moment is not in the history of the charts; they keep ${kept}`);
+      return false;
     }
+    this.view.show(this.store.timeOf(tick));
+    return true;
+  }
+
+  /** What the charts show, for tests. */
+  shown = (): { key: string; title: string; visible: boolean; series: SeriesReading[] }[] => {
+    const time = this.cursorTime();
+    return this.panels.list.map((panel) => ({ key: panel.spec.key, title: panel.spec.title, visible: panel.visible, series: panel.readings(time) }));
+  };
+
+  /** Stretch drawn last, s. */
+  get drawn(): Frame | null {
+    return this.current;
+  }
+
+  private cursorTime(): number | null {
+    return this.current === null ? null : this.view.cursor(this.current.span);
+  }
+
+  /** Charts to draw in this frame; what the operator touched is answered twice as fast. */
+  private budget(now: number, touched: boolean): number {
+    const spread = SPREAD_MS[this.software ? "software" : "hardware"] / (touched ? 2 : 1);
+    const visible = this.panels.list.filter((panel) => panel.visible).length;
+    return Math.max(1, Math.ceil((visible * Math.min(now - this.frameAt, spread)) / spread));
+  }
+
+  private outdated(): boolean {
+    const { current, store } = this;
+    if (current === null || this.drawnEvents !== store.events) return true;
+    return store.history.last !== current.newest && (!this.view.inspecting || current.span[1] >= store.timeOf(current.newest));
+  }
+
+  private begin(now: number): void {
+    this.round += 1;
+    this.roundAt = now;
+    this.expired = false;
+    this.drawnVersion = this.view.version;
+    this.drawnEvents = this.store.events;
+    this.current = takeFrame(this.store, this.view, this.plotWidth(), this.arrangement.zscore, this.arrangement.unmarked);
+    this.timeline.refresh(this.current, this.root.clientWidth);
+    this.table.show(rangeOf(this.view), this.panels.list);
+    this.cursor = NaN;
+  }
+
+  private draw(panel: Panel, frame: Frame, now: number): void {
+    panel.refresh(frame);
+    panel.round = this.round;
+    panel.point(this.view.cursor(frame.span), now);
+  }
+
+  /** Puts the cursor of every chart to the shared one, and its values beside it. */
+  private point(frame: Frame, now: number): void {
+    this.foot.show(Math.max(0, this.store.timeOf(this.store.lastTick)));
+    const time = this.view.cursor(frame.span);
+    if (Object.is(time, this.cursor)) return;
+    this.cursor = time;
+    this.panels.list.filter(({ visible }) => visible).forEach((panel) => panel.point(time, now));
+    this.timeline.point(time);
+    this.onCursor(time === null ? null : this.store.tickAt(time));
+  }
+
+  private plotWidth(): number {
+    return Math.max(100, this.root.clientWidth - AXIS_WIDTH_PX - RIGHT_PX);
+  }
+
+  private sync(anew: boolean): void {
+    this.spectrum = this.panels.hasSpectrum();
+    this.panels.sync(this.arrangement, this.colors, anew);
+    this.menu.rebuild(this.panels.specs(this.arrangement).map(({ key, title }) => ({ key, title })), this.arrangement);
+    this.expired = true;
+  }
+
+  /** The operator changed what is to be seen. */
+  private changed(): void {
+    save(this.arrangement);
+    this.sync(false);
+  }
+
+  private toggleZscore(): void {
+    this.arrangement.zscore = !this.arrangement.zscore;
+    this.changed();
+  }
+
+  private chooseWindow(seconds: number): void {
+    this.arrangement.windowS = seconds;
+    this.view.setWindow(seconds);
+    save(this.arrangement);
+  }
+
+  private toDefault(): void {
+    Object.assign(this.arrangement, standard());
+    this.windows.value = String(this.arrangement.windowS);
+    this.view.setWindow(this.arrangement.windowS);
+    save(this.arrangement);
+    this.rebuild();
+  }
+
+  private add(): void {
+    const own = addOwn(this.arrangement);
+    if (own === null) return notify("warning", "there are as many own charts as there can be: remove one first");
+    this.changed();
+    this.edit(own);
+  }
+
+  private edit(own: OwnChart): void {
+    byId("charts-options").hidePopover();
+    this.picker.open(own, this.store.hello?.channels ?? []);
+  }
+
+  private listen(panel: Panel): void {
+    if (panel.over === null) return;
+    listenPointer(panel.over, this.view, {
+      select: (part) => this.panels.list.forEach((other) => other.select(part)),
+      hover: (event) => this.hover(event),
+      click: (event) => this.click(event),
+    });
+  }
+
+  private columnX(event: PointerEvent): number {
+    return event.clientX - this.root.getBoundingClientRect().left;
+  }
+
+  private hover(event: PointerEvent | null): void {
+    this.tip.show(event === null ? null : this.timeline.marksAt(this.columnX(event)), event?.clientX ?? 0, event?.clientY ?? 0);
+  }
+
+  /** A click on a chart puts the cursor there; on a mark, on the mark. */
+  private click(event: PointerEvent): void {
+    if (this.clickMark(event) || !this.view.inspecting) return;
+    const time = this.cursorTime();
+    if (time !== null) this.view.pinned = time;
+  }
+
+  private clickMark(event: PointerEvent): boolean {
+    const marks = this.timeline.marksAt(this.columnX(event));
+    if (marks === null) return false;
+    this.view.show(marks.head.time);
+    this.tip.show(null, 0, 0);
+    return true;
+  }
+
+  /** Says what is under the cursor once it rests: of the chart in focus, else of the first. */
+  private speakSoon(): void {
+    clearTimeout(this.speech);
+    this.speech = window.setTimeout(() => {
+      const time = this.cursorTime();
+      const panel = this.panels.list.find(({ root }) => root.contains(document.activeElement)) ?? this.panels.list[0];
+      if (time !== null && panel !== undefined) setText(byId("chart-speech"), `${time.toFixed(2)} s. ${panel.sentence(time)}`);
+    }, SPEAK_AFTER_MS);
+  }
+
+  private picture(): void {
+    this.expired = true;
+    const now = performance.now();
+    this.begin(now);
+    const frame = this.current;
+    if (frame === null) return;
+    this.panels.list.forEach((panel) => this.draw(panel, frame, now));
+    // uPlot draws when the current task is done.
+    setTimeout(() => savePng(this.store, frame, this.panels.list, this.timeline.picture(), this.colors), 0);
   }
 }

@@ -1,14 +1,20 @@
 // What each chart shows. Estimates are vermilion, set-points and limits bluish green and dashed; a line's kind never
 // rests on its colour alone.
-import type { Palette } from "../panels/theme";
+import type { ChannelInfo } from "../protocol";
+import type { OwnChart } from "./arrangement";
+import type { ChartColors } from "./colors";
+import { SERIES_COLORS, SERIES_DASHES } from "./colors";
 
 export interface SeriesSpec {
   channel: string;
   label: string;
-  color: keyof Palette;
+  /** A colour of its own, or the place in the list of colours. */
+  color: Exclude<keyof ChartColors, "series"> | number;
   dash?: number[];
   /** Drawn as steps: a value that is set, not measured. */
   stepped?: boolean;
+  /** A forecast: drawn as far ahead as it speaks of. */
+  ahead?: boolean;
 }
 
 export interface ChartSpec {
@@ -17,10 +23,19 @@ export interface ChartSpec {
   logarithmic?: boolean;
   /** Resets carry their icon here; everywhere else the dashed line is enough. */
   resetIcon?: boolean;
+  /** Values may be shown as z-scores. */
+  zscore?: boolean;
+  /** Area between two of the series, by their places: upper, lower. */
+  band?: [number, number];
+  /** More height than the others. */
+  tall?: boolean;
   /** Smaller changes are not worth the height of the chart, in the chart's unit. */
   smallestSpan: number;
   series: SeriesSpec[];
 }
+
+/** Key of the bar view of the newest spectrum: it is no chart over time. */
+export const SPECTRUM = "spectrum";
 
 const SYMBOLS: Record<string, string> = { phi: "φ", theta: "θ", psi: "ψ", q1: "q₁", q2: "q₂" };
 
@@ -29,18 +44,28 @@ export function symbolOf(row: string): string {
   return SYMBOLS[row] ?? row;
 }
 
-/** The charts of the console for one row of the coordinates. */
-export function chartSpecs(row: string): ChartSpec[] {
-  const symbol = symbolOf(row);
+/** The charts of the console for one row of the coordinates, the most important first; beside a recording nothing is controlled. */
+export function chartSpecs(row: string, channels: ChannelInfo[], mirrored = false): ChartSpec[] {
+  const known = new Set(channels.map(({ name }) => name));
+  return [...forecastSpecs(row), ...(mirrored ? mirrorSpecs(row) : controlSpecs(row)), ...adapterSpecs(), ...bodySpecs(channels)]
+    .map((spec) => ({ ...spec, series: spec.series.filter(({ channel }) => known.has(channel)) }))
+    .filter(({ key, series }) => series.length > 0 || key === SPECTRUM);
+}
+
+/** Forecast and adapter. */
+function forecastSpecs(row: string): ChartSpec[] {
   return [
     {
       key: "residual",
-      title: `Residual ${symbol}`,
+      title: `Residual ${symbolOf(row)}`,
       smallestSpan: 0.2,
+      zscore: true,
+      tall: true,
       series: [
         { channel: `residual.${row}`, label: "measured", color: "muted" },
         { channel: `base.${row}`, label: "base", color: "third", dash: [7, 3] },
         { channel: `adapted.${row}`, label: "adapted", color: "estimate" },
+        { channel: `ahead.${row}`, label: "ahead", color: "fourth", dash: [2, 2], ahead: true },
       ],
     },
     {
@@ -56,28 +81,97 @@ export function chartSpecs(row: string): ChartSpec[] {
     },
     {
       key: "covariance",
-      title: "Covariance trace",
+      title: "Covariance",
       logarithmic: true,
       smallestSpan: 1,
-      series: [{ channel: "covariance_trace", label: "tr Σ", color: "third" }],
+      band: [1, 3],
+      series: [
+        { channel: "covariance_trace", label: "tr Σ", color: "third" },
+        { channel: "covariance_eig_max", label: "max", color: "fourth", dash: [6, 3] },
+        { channel: "covariance_eig_median", label: "mid", color: "fourth" },
+        { channel: "covariance_eig_min", label: "min", color: "fourth", dash: [2, 2] },
+      ],
     },
+  ];
+}
+
+/** How far the vehicle is from where it should be. */
+function errorSpec(row: string, title: string): ChartSpec {
+  return {
+    key: "tracking",
+    title,
+    smallestSpan: 0.02,
+    series: [
+      { channel: "position_error_m", label: "position", color: "estimate" },
+      { channel: `error.${row}`, label: symbolOf(row), color: "third", dash: [7, 3] },
+    ],
+  };
+}
+
+/** A recording: the vehicle should be where the twin expected it. */
+function mirrorSpecs(row: string): ChartSpec[] {
+  return [errorSpec(row, "Divergence from the twin")];
+}
+
+/** Controller. */
+function controlSpecs(row: string): ChartSpec[] {
+  return [
+    errorSpec(row, "Tracking error"),
     {
       key: "robust",
       title: "Robust term",
       smallestSpan: 0.1,
       series: [
         { channel: "robust_gain", label: "σ̂", color: "estimate" },
-        { channel: "sliding_norm", label: "‖s‖", color: "third" },
-      ],
-    },
-    {
-      key: "tracking",
-      title: "Tracking error",
-      smallestSpan: 0.02,
-      series: [
-        { channel: "position_error_m", label: "position", color: "estimate" },
-        { channel: `error.${row}`, label: symbol, color: "third" },
+        { channel: "sliding_norm", label: "‖s‖", color: "third", dash: [7, 3] },
       ],
     },
   ];
+}
+
+/** The adapter in depth. */
+function adapterSpecs(): ChartSpec[] {
+  return [
+    { key: SPECTRUM, title: "Spectrum of Σ, newest", smallestSpan: 1, series: [] },
+    {
+      key: "norms",
+      title: "Adapter norms",
+      logarithmic: true,
+      smallestSpan: 0.1,
+      series: [
+        { channel: "gain_norm", label: "‖K‖", color: "estimate" },
+        { channel: "weight_norm", label: "‖W‖", color: "third", dash: [7, 3] },
+        { channel: "regime_norm", label: "‖g′‖", color: "fourth", dash: [2, 2] },
+      ],
+    },
+  ];
+}
+
+/** Actuators, and what the forecast looks at. */
+function bodySpecs(channels: ChannelInfo[]): ChartSpec[] {
+  const named = (prefix: string): ChannelInfo[] => channels.filter(({ name }) => name.startsWith(prefix));
+  const many = (list: ChannelInfo[], label: (channel: ChannelInfo) => string): SeriesSpec[] =>
+    list.map((channel, k) => coloured(channel.name, label(channel), k));
+  const last = ({ name }: ChannelInfo): string => name.split(".").at(-1) ?? name;
+  return [
+    { key: "rotors", title: "Rotor thrust", smallestSpan: 1, series: many(named("rotor."), (channel) => channel.label.replace(/^rotor /, "")) },
+    { key: "joints", title: "Joint torque", smallestSpan: 0.2, series: many(named("joint_torque."), (channel) => `q${["₀", "₁", "₂", "₃"][Number(last(channel))] ?? last(channel)}`) },
+    { key: "attention", title: "Attention", smallestSpan: 0.1, series: many(channels.filter(({ group }) => group === "attention"), ({ label }) => label) },
+  ];
+}
+
+/** The chart an operator put together; channels that the flight does not have are left out. */
+export function ownSpec(own: OwnChart, channels: ChannelInfo[]): ChartSpec {
+  const known = own.channels.flatMap((name) => channels.find((channel) => channel.name === name) ?? []);
+  return { key: own.key, title: own.title, smallestSpan: 1e-3, series: known.map((channel, k) => ({ ...coloured(channel.name, shortName(channel), k), ahead: channel.name.startsWith("ahead.") })) };
+}
+
+/** A name short enough for the heading of a chart: the label, with the coordinate's symbol. */
+function shortName({ label, row }: ChannelInfo): string {
+  return row === null ? label : label.replace(new RegExp(`\\b${row}\\b`), symbolOf(row));
+}
+
+function coloured(channel: string, label: string, k: number): SeriesSpec {
+  const dash = SERIES_DASHES[k % SERIES_DASHES.length];
+  return { channel, label, color: k % SERIES_COLORS, ...(dash === undefined ? {} : { dash }) };
 }

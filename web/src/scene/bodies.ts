@@ -1,81 +1,103 @@
-// Everything that hello.scene describes: bodies, rotor discs, the payload and the ghost of the reference.
-import { CircleGeometry, Color, DoubleSide, Group, Mesh, MeshBasicMaterial, MeshLambertMaterial, RingGeometry } from "three";
-import type { Scene, SceneRotor } from "../protocol";
+// Everything that hello.scene describes: bodies, rotor discs, the payload and the ghost of the reference. The ghost is the
+// vehicle's root alone: telemetry gives the reference of the root, not of the arm.
+import { Box3, Color, Group, type Mesh, MeshLambertMaterial, Vector3 } from "three";
+import type { Scene, SceneGroup } from "../protocol";
 import { MARKS_LAYER } from "./layers";
-import { dispose, meshOf, place } from "./shapes";
+import { glass, rim, Rotors } from "./rotors";
+import { dispose, meshesOf, place } from "./shapes";
 
-const POSE_FLOATS = 7;
+export const POSE_FLOATS = 7;
 const GHOST_ALPHA = 0.35;
 /** From this far off its reference on the ghost is drawn in full; nearer it would only tint the vehicle, m. */
 const GHOST_FULL_M = 0.15;
-const DISC_ALPHA = 0.1;
-const RIM_ALPHA = 0.45;
+/** Nearer it cannot be told from the vehicle, and would be drawn for nothing, m. */
+const GHOST_FROM_M = 0.01;
+/** Half size of what has a place but no shape, m. */
+const SHAPELESS_HALF_M = 0.015;
 
 export interface DrawnPose {
   position: number[];
   quaternion_wxyz: number[];
 }
 
+export interface Body {
+  name: string;
+  group: SceneGroup;
+  object: Group;
+  /** Around its shapes, in its own frame, m. */
+  box: Box3;
+  /** Place among the poses of a frame; -1 if it does not move. */
+  index: number;
+}
+
 export class Bodies {
   readonly root = new Group();
   readonly ghost = new Group();
-  private readonly named = new Map<string, Group>();
-  private readonly moving: Group[] = [];
-  private readonly base: Group | undefined;
+  readonly rotors: Rotors;
+  readonly moving: Body[];
+  private readonly all = new Map<string, Body>();
+  private readonly base: Body | undefined;
   private readonly ghostMaterial: MeshLambertMaterial;
-  private readonly discMaterial: MeshBasicMaterial;
-  private readonly rimMaterial: MeshBasicMaterial;
+  private ghostKnown = false;
 
   constructor(scene: Scene, ghostColor: string, discColor: string) {
-    for (const body of scene.bodies) {
-      const group = new Group();
-      group.name = body.name;
-      place(group, body.pose);
-      body.shapes.forEach((shape) => group.add(meshOf(shape)));
-      this.root.add(group);
-      this.named.set(body.name, group);
-      if (body.moving) this.moving.push(group);
+    let index = 0;
+    for (const { name, group, moving, pose, shapes } of scene.bodies) {
+      const object = new Group();
+      object.name = name;
+      place(object, pose);
+      meshesOf(shapes).forEach((mesh) => object.add(mesh));
+      this.root.add(object);
+      this.all.set(name, { name, group, object, box: boxOf(object), index: moving ? index++ : -1 });
     }
-    this.base = this.named.get(scene.base_body);
-    this.discMaterial = glass(discColor, DISC_ALPHA);
-    this.rimMaterial = glass(discColor, RIM_ALPHA);
-    scene.rotors.forEach((rotor) => this.base?.add(disc(rotor, this.discMaterial), rim(rotor, this.rimMaterial)));
+    this.moving = this.list().filter((body) => body.index >= 0);
+    this.base = this.all.get(scene.base_body);
     this.ghostMaterial = new MeshLambertMaterial({ color: new Color(ghostColor), opacity: GHOST_ALPHA, transparent: true, depthWrite: false });
     this.buildGhost(scene, ghostColor);
-    this.ghost.traverse((part) => part.layers.set(MARKS_LAYER));
+    this.rotors = new Rotors(scene.rotors, discColor);
+    this.base?.object.add(this.rotors.root);
     this.root.add(this.ghost);
   }
 
-  /** Moves every body to the newest poses; false where nothing is known of the reference. */
-  update(poses: Float32Array, reference: Float32Array): void {
-    this.moving.forEach((group, index) => setPose(group, poses, index * POSE_FLOATS));
-    this.ghost.visible = setPose(this.ghost, reference, 0);
-    const off = this.base === undefined ? GHOST_FULL_M : this.ghost.position.distanceTo(this.base.position);
+  /** Moves every body to `poses` (moving bodies in order, then the reference). */
+  update(poses: Float32Array, showGhost: boolean): void {
+    for (const { object, index } of this.moving) setPose(object, poses, index * POSE_FLOATS);
+    this.ghostKnown = setPose(this.ghost, poses, this.moving.length * POSE_FLOATS);
+    const off = this.base === undefined ? GHOST_FULL_M : this.ghost.position.distanceTo(this.base.object.position);
     this.ghostMaterial.opacity = GHOST_ALPHA * Math.min(1, off / GHOST_FULL_M);
+    this.ghost.visible = this.ghostKnown && showGhost && off > GHOST_FROM_M;
   }
 
   recolor(discColor: string): void {
-    this.discMaterial.color.set(discColor);
-    this.rimMaterial.color.set(discColor);
+    this.rotors.recolor(discColor);
   }
 
-  /** The body called `name`. */
-  body(name: string | undefined): Group | undefined {
-    return name === undefined ? undefined : this.named.get(name);
+  list(): Body[] {
+    return [...this.all.values()];
+  }
+
+  body(name: string | undefined): Body | undefined {
+    return name === undefined ? undefined : this.all.get(name);
   }
 
   /** The vehicle's root body. */
-  vehicle(): Group | undefined {
+  vehicle(): Body | undefined {
     return this.base;
+  }
+
+  /** Distance of the vehicle's root from its reference, m; NaN where there is none. */
+  offReference(): number {
+    return this.ghostKnown && this.base !== undefined ? this.ghost.position.distanceTo(this.base.object.position) : NaN;
   }
 
   /** World poses as drawn, by body name. */
   drawn(): Record<string, DrawnPose> {
-    const all: Record<string, DrawnPose> = {};
-    for (const [name, { position: p, quaternion: q }] of this.named) {
-      all[name] = { position: [p.x, p.y, p.z], quaternion_wxyz: [q.w, q.x, q.y, q.z] };
+    const poses: Record<string, DrawnPose> = {};
+    for (const { name, object } of this.all.values()) {
+      const { position: p, quaternion: q } = object;
+      poses[name] = { position: [p.x, p.y, p.z], quaternion_wxyz: [q.w, q.x, q.y, q.z] };
     }
-    return all;
+    return poses;
   }
 
   dispose(): void {
@@ -84,35 +106,36 @@ export class Bodies {
 
   private buildGhost(scene: Scene, color: string): void {
     this.ghost.visible = false;
-    const root = scene.bodies.find((body) => body.name === scene.base_body);
-    root?.shapes.forEach((shape) => this.ghost.add(meshOf(shape, this.ghostMaterial)));
+    for (const part of this.base?.object.children ?? []) {
+      const copy = (part as Mesh).clone();
+      copy.material = this.ghostMaterial;
+      this.ghost.add(copy);
+    }
     const material = glass(color, GHOST_ALPHA);
     scene.rotors.forEach((rotor) => this.ghost.add(rim(rotor, material)));
+    this.ghost.traverse((part) => part.layers.set(MARKS_LAYER));
   }
 }
 
-/** Copies a pose out of telemetry; false (and nothing changes) if it is not finite. */
-function setPose(object: Group, values: Float32Array, offset: number): boolean {
-  const [x, y, z, qw, qx, qy, qz] = values.subarray(offset, offset + POSE_FLOATS);
-  if (x === undefined || y === undefined || z === undefined || qw === undefined || qx === undefined || qy === undefined || qz === undefined) return false;
-  if (!Number.isFinite(x + y + z + qw + qx + qy + qz)) return false;
-  object.position.set(x, y, z);
-  object.quaternion.set(qx, qy, qz, qw);
+/** Box around the children of `object` in its own frame. */
+function boxOf(object: Group): Box3 {
+  const box = new Box3();
+  const own = new Box3();
+  for (const child of object.children as Mesh[]) {
+    child.geometry.computeBoundingBox();
+    child.updateMatrix();
+    if (child.geometry.boundingBox !== null) box.union(own.copy(child.geometry.boundingBox).applyMatrix4(child.matrix));
+  }
+  if (box.isEmpty()) box.setFromCenterAndSize(new Vector3(), new Vector3().setScalar(2 * SHAPELESS_HALF_M));
+  return box;
+}
+
+/** Copies a pose; false (and nothing changes) if it is not finite. */
+function setPose(object: Group, values: Float32Array, k: number): boolean {
+  let sum = 0;
+  for (let i = k; i < k + POSE_FLOATS; i += 1) sum += values[i] ?? NaN;
+  if (!Number.isFinite(sum)) return false;
+  object.position.set(values[k] ?? 0, values[k + 1] ?? 0, values[k + 2] ?? 0);
+  object.quaternion.set(values[k + 4] ?? 0, values[k + 5] ?? 0, values[k + 6] ?? 0, values[k + 3] ?? 1);
   return true;
-}
-
-function glass(color: string, opacity: number): MeshBasicMaterial {
-  return new MeshBasicMaterial({ color: new Color(color), opacity, transparent: true, depthWrite: false, side: DoubleSide });
-}
-
-function disc({ radius_m, position_in_body }: SceneRotor, material: MeshBasicMaterial): Mesh {
-  const mesh = new Mesh(new CircleGeometry(radius_m, 32), material);
-  mesh.position.set(...position_in_body);
-  return mesh;
-}
-
-function rim({ radius_m, position_in_body }: SceneRotor, material: MeshBasicMaterial): Mesh {
-  const mesh = new Mesh(new RingGeometry(radius_m * 0.96, radius_m, 40), material);
-  mesh.position.set(...position_in_body);
-  return mesh;
 }

@@ -1,23 +1,33 @@
-// The main camera: stands still and shows the whole task, travels with the vehicle, or stays where the operator put it.
+// The main camera: stands still and shows the whole task, travels with the vehicle, looks from above, or stays where the
+// operator put it. It moves from one place to the next smoothly unless the operator asked the system for less motion.
 import { PerspectiveCamera, Vector3 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { fitView, isInView } from "./framing";
 import { MARKS_LAYER } from "./layers";
 
-export type CameraMode = "overview" | "follow" | "free";
+export type CameraMode = "overview" | "follow" | "top" | "free";
 
-const FIELD_OF_VIEW_DEG = 40;
+export const FIELD_OF_VIEW_DEG = 40;
 /** From where the overview looks: behind the pick, beside the way to the place, so that near and far fit one picture. */
 const OVERVIEW_DIRECTION = new Vector3(-0.62, -0.68, 0.42).normalize();
+/** From above, x to the right and y up in the picture; exactly above, up would have no direction. */
+const TOP_DIRECTION = new Vector3(0, -1e-4, 1).normalize();
 /** Where the camera travels beside the vehicle, m. */
 const FOLLOW_OFFSET = new Vector3(-1.25, -1.45, 0.7);
 /** What hangs under the vehicle counts as much as the vehicle, m. */
 const FOLLOW_DROP_M = 0.15;
+const MOVE_MS = 450;
 
 export class Camera {
   readonly camera = new PerspectiveCamera(FIELD_OF_VIEW_DEG, 1, 0.02, 200);
   private readonly controls: OrbitControls;
+  private readonly calm = matchMedia("(prefers-reduced-motion: reduce)");
   private readonly followed = new Vector3();
+  private readonly step = new Vector3();
+  private readonly goal = { target: new Vector3(), position: new Vector3() };
+  private readonly from = { target: new Vector3(), position: new Vector3() };
+  private movingSince = NaN;
+  private held = false;
   private known = false;
   private chosen: CameraMode = "overview";
   private points: Vector3[] = [];
@@ -30,9 +40,14 @@ export class Camera {
     this.controls.enableDamping = false;
     this.controls.minDistance = 0.2;
     this.controls.maxDistance = 60;
-    this.controls.addEventListener("change", onChange);
-    this.controls.addEventListener("start", () => {
-      if (this.chosen !== "overview") return;
+    // A click that moves nothing leaves the mode alone: it chooses a body.
+    this.controls.addEventListener("start", () => (this.held = true));
+    this.controls.addEventListener("end", () => (this.held = false));
+    this.controls.addEventListener("change", () => {
+      onChange();
+      if (!this.held) return;
+      this.movingSince = NaN;
+      if (this.chosen !== "overview" && this.chosen !== "top") return;
       this.chosen = "free";
       onMode();
     });
@@ -45,55 +60,97 @@ export class Camera {
 
   set mode(mode: CameraMode) {
     this.chosen = mode;
-    if (mode === "overview") this.frame();
-    if (mode === "follow" && this.known) this.standBeside();
+    this.go();
+  }
+
+  /** What the camera looks at, world frame, m. */
+  get target(): Vector3 {
+    return this.controls.target;
+  }
+
+  /** Direction the camera looks in the plan, rad from x towards y. */
+  get heading(): number {
+    return Math.atan2(this.controls.target.y - this.camera.position.y, this.controls.target.x - this.camera.position.x);
+  }
+
+  /** On its way from one place to another. */
+  get moving(): boolean {
+    return !Number.isNaN(this.movingSince);
   }
 
   resize(aspect: number): void {
     this.camera.aspect = aspect;
     this.camera.updateProjectionMatrix();
-    if (this.chosen === "overview") this.frame();
+    if (this.chosen === "overview" || this.chosen === "top") this.arrive();
   }
 
   /** What the overview is to show: points at its rim, world frame, m. */
   cover(points: Vector3[]): void {
     this.points = points;
     this.known = false;
-    if (this.chosen === "overview") this.frame();
+    if (this.chosen === "overview" || this.chosen === "top") this.arrive();
   }
 
   /** The vehicle is at `position` now. */
   track(position: Vector3): void {
-    if (this.chosen === "follow") {
-      if (this.known) this.shift(position.clone().sub(this.followed));
-      else this.standBeside(position);
-    } else if (this.chosen === "overview" && !isInView(this.camera, position)) {
-      this.points.push(position.clone());
-      this.frame();
-    }
-    this.followed.copy(position);
+    const first = !this.known;
     this.known = true;
+    this.step.copy(position).sub(this.followed);
+    this.followed.copy(position);
+    if (this.chosen === "follow" && !this.moving) {
+      if (first) this.arrive();
+      else if (this.step.lengthSq() > 0) {
+        this.controls.target.add(this.step);
+        this.camera.position.add(this.step);
+        this.controls.update();
+      }
+    } else if ((this.chosen === "overview" || this.chosen === "top") && !this.moving && !isInView(this.camera, position)) {
+      this.points.push(position.clone());
+      this.go();
+    }
   }
 
-  private standBeside(position = this.followed): void {
-    this.controls.target.copy(position);
-    this.controls.target.z -= FOLLOW_DROP_M;
-    this.camera.position.copy(this.controls.target).add(FOLLOW_OFFSET);
+  /** Moves on towards where the mode wants to be; true while it moves. `now` in ms. */
+  advance(now: number): boolean {
+    if (!this.moving || !this.setGoal()) return false;
+    const share = Math.min(1, (now - this.movingSince) / MOVE_MS);
+    const eased = share * share * (3 - 2 * share);
+    this.controls.target.lerpVectors(this.from.target, this.goal.target, eased);
+    this.camera.position.lerpVectors(this.from.position, this.goal.position, eased);
+    if (share >= 1) this.movingSince = NaN;
+    this.controls.update();
+    return true;
+  }
+
+  private go(): void {
+    if (this.calm.matches) return this.arrive();
+    if (!this.setGoal()) return;
+    this.from.target.copy(this.controls.target);
+    this.from.position.copy(this.camera.position);
+    this.movingSince = performance.now();
+  }
+
+  private arrive(): void {
+    this.movingSince = NaN;
+    if (!this.setGoal()) return;
+    this.controls.target.copy(this.goal.target);
+    this.camera.position.copy(this.goal.position);
     this.controls.update();
   }
 
-  private frame(): void {
-    if (this.points.length === 0) return;
-    const { target, position } = fitView(this.points, OVERVIEW_DIRECTION, this.camera);
-    this.controls.target.copy(target);
-    this.camera.position.copy(position);
-    this.controls.update();
-  }
-
-  private shift(by: Vector3): void {
-    if (by.lengthSq() === 0) return;
-    this.controls.target.add(by);
-    this.camera.position.add(by);
-    this.controls.update();
+  /** Where the mode wants to be; false where it has no wish. */
+  private setGoal(): boolean {
+    if (this.chosen === "free" || (this.chosen === "follow" && !this.known)) return false;
+    if (this.chosen === "follow") {
+      this.goal.target.copy(this.followed);
+      this.goal.target.z -= FOLLOW_DROP_M;
+      this.goal.position.copy(this.goal.target).add(FOLLOW_OFFSET);
+      return true;
+    }
+    if (this.points.length === 0) return false;
+    const { target, position } = fitView(this.points, this.chosen === "top" ? TOP_DIRECTION : OVERVIEW_DIRECTION, this.camera);
+    this.goal.target.copy(target);
+    this.goal.position.copy(position);
+    return true;
   }
 }

@@ -15,20 +15,22 @@ import {
   SphereGeometry,
   SRGBColorSpace,
 } from "three";
+import { mergeGeometries } from "three/examples/jsm/utils/BufferGeometryUtils.js";
 import type { ScenePose, SceneShape, ShapeInfo } from "../protocol";
 
-const ROUND_SEGMENTS = 24;
+/** Sides of something round of this radius, m: small things need few, and a software renderer pays for each. */
+const sides = (radius: number): number => (radius < 0.02 ? 12 : radius < 0.05 ? 16 : 24);
 
 export function geometryOf(shape: SceneShape): BufferGeometry {
   switch (shape.kind) {
     case "box":
       return new BoxGeometry(...shape.size_m);
     case "cylinder":
-      return new CylinderGeometry(shape.radius_m, shape.radius_m, shape.length_m, ROUND_SEGMENTS).rotateX(Math.PI / 2);
+      return new CylinderGeometry(shape.radius_m, shape.radius_m, shape.length_m, sides(shape.radius_m)).rotateX(Math.PI / 2);
     case "sphere":
-      return new SphereGeometry(shape.radius_m, ROUND_SEGMENTS, ROUND_SEGMENTS / 2);
+      return new SphereGeometry(shape.radius_m, sides(shape.radius_m), sides(shape.radius_m) / 2);
     case "capsule":
-      return new CapsuleGeometry(shape.radius_m, shape.length_m, 6, ROUND_SEGMENTS).rotateX(Math.PI / 2);
+      return new CapsuleGeometry(shape.radius_m, shape.length_m, 4, sides(shape.radius_m)).rotateX(Math.PI / 2);
     case "mesh":
       return meshGeometry(shape.vertices, shape.triangles);
   }
@@ -65,6 +67,32 @@ export function meshOf(info: ShapeInfo, material?: Material): Mesh {
   const mesh = new Mesh(geometryOf(info.shape), material ?? materialOf(info.rgba, info.shape.kind === "mesh"));
   place(mesh, info);
   return mesh;
+}
+
+/**
+ * The shapes of one body. Opaque ones become a single mesh with a colour per corner: a vehicle of sixty shapes is then
+ * drawn in eight calls, and calls are what a software renderer spends its time on.
+ */
+export function meshesOf(shapes: ShapeInfo[]): Mesh[] {
+  const plain = shapes.filter(({ shape, rgba }) => shape.kind !== "mesh" && rgba[3] >= 1);
+  const others = shapes.filter((info) => !plain.includes(info)).map((info) => meshOf(info));
+  if (plain.length === 0) return others;
+  const merged = mergeGeometries(plain.map(coloured));
+  return [new Mesh(merged, new MeshLambertMaterial({ vertexColors: true })), ...others];
+}
+
+/** Geometry in the body's frame with the shape's colour at every corner. */
+function coloured(info: ShapeInfo): BufferGeometry {
+  const made = meshOf(info);
+  made.updateMatrix();
+  const { geometry } = made;
+  geometry.applyMatrix4(made.matrix);
+  geometry.deleteAttribute("uv");
+  const { r, g, b } = (made.material as MeshLambertMaterial).color;
+  const colors = new Float32Array(geometry.getAttribute("position").count * 3);
+  for (let i = 0; i < colors.length; i += 3) colors.set([r, g, b], i);
+  geometry.setAttribute("color", new BufferAttribute(colors, 3));
+  return geometry;
 }
 
 /** Frees what the graphics card holds for `root`. */

@@ -1,18 +1,16 @@
-// What does not depend on the flight: renderer, light, floor grid and axes.
-import { AxesHelper, Color, DirectionalLight, GridHelper, HemisphereLight, type LineBasicMaterial, Mesh, MeshBasicMaterial, PlaneGeometry, Scene, WebGLRenderer } from "three";
+// What does not depend on the flight: renderer, light and floor grid.
+import { Color, DirectionalLight, GridHelper, HemisphereLight, type LineBasicMaterial, Mesh, MeshBasicMaterial, PlaneGeometry, Scene, type WebGLRenderer } from "three";
 import type { Palette } from "../panels/theme";
+import { directSurface, isSoftware, SoftwareSurface, type Surface } from "./surface";
 
 const FLOOR_M = 20;
 const LARGEST_PIXEL_RATIO = 2;
+/** Pixels that a processor draws 30 times a second and still has time for charts; more are drawn coarser. */
+const SOFTWARE_PIXELS = 400_000;
 
-/** WebGL works without a graphics card here: every pixel costs processor time. */
-function isSoftware(): boolean {
-  const gl = document.createElement("canvas").getContext("webgl2");
-  if (gl === null) return true;
-  const info = gl.getExtension("WEBGL_debug_renderer_info");
-  const name = String(gl.getParameter(info === null ? gl.RENDERER : info.UNMASKED_RENDERER_WEBGL));
-  gl.getExtension("WEBGL_lose_context")?.loseContext();
-  return /SwiftShader|llvmpipe|Software/i.test(name);
+/** Pixels drawn per CSS pixel of a view of this size. */
+export function pixelRatio(software: boolean, width: number, height: number, screen: number): number {
+  return software ? Math.min(1, Math.sqrt(SOFTWARE_PIXELS / (width * height))) : Math.min(LARGEST_PIXEL_RATIO, screen);
 }
 
 /** Sky, floor and the lines on it. */
@@ -20,16 +18,18 @@ export type StageColors = Pick<Palette, "sky" | "ground3d" | "floor">;
 
 export interface Stage {
   renderer: WebGLRenderer;
+  surface: Surface;
   scene: Scene;
   software: boolean;
+  resize(width: number, height: number): void;
   setColors(colors: StageColors): void;
 }
 
 export function buildStage(canvas: HTMLCanvasElement): Stage {
-  // Antialias is chosen before the renderer can be asked what it is, so a throw-away context is asked.
+  // What the surface shall be is known before its renderer can be asked, so a throw-away context is asked.
   const software = isSoftware();
-  const renderer = new WebGLRenderer({ canvas, antialias: !software, powerPreference: "high-performance" });
-  renderer.setPixelRatio(software ? 1 : Math.min(LARGEST_PIXEL_RATIO, window.devicePixelRatio));
+  const surface = software ? new SoftwareSurface(canvas) : directSurface(canvas);
+  const { renderer } = surface;
   const scene = new Scene();
   const sun = new DirectionalLight(0xffffff, 1.9);
   sun.position.set(-3, -4, 8);
@@ -37,11 +37,8 @@ export function buildStage(canvas: HTMLCanvasElement): Stage {
   const grid = new GridHelper(FLOOR_M, FLOOR_M * 2);
   grid.rotation.x = Math.PI / 2;
   grid.position.z = 0.001;
-  const axes = new AxesHelper(0.4);
-  axes.setColors("#d6453d", "#4a9e46", "#3f7fd0");
-  axes.position.z = 0.002;
   const floor = new Mesh(new PlaneGeometry(FLOOR_M, FLOOR_M), new MeshBasicMaterial());
-  scene.add(floor, grid, axes);
+  scene.add(floor, grid);
   const setColors = (colors: StageColors): void => {
     scene.background = new Color(colors.sky);
     floor.material.color.set(colors.ground3d);
@@ -52,5 +49,9 @@ export function buildStage(canvas: HTMLCanvasElement): Stage {
     material.opacity = 0.55;
     material.needsUpdate = true;
   };
-  return { renderer, scene, software, setColors };
+  const resize = (width: number, height: number): void => {
+    renderer.setPixelRatio(pixelRatio(software, width, height, window.devicePixelRatio));
+    renderer.setSize(width, height, false);
+  };
+  return { renderer, surface, scene, software, resize, setColors };
 }

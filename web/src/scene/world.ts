@@ -1,44 +1,84 @@
-// The 3-D view: builds what hello describes, follows telemetry, and draws only when something changed.
+// The 3-D view: builds what hello describes, glides from one telemetry frame to the next, and draws only when something
+// changed. While the flight is held it shows the newest frame exactly as it came.
 import { Vector3 } from "three";
 import type { Telemetry } from "../link/decode";
 import type { Palette } from "../panels/theme";
-import type { Hello } from "../protocol";
-import { Bodies, type DrawnPose } from "./bodies";
+import type { ClientMessage, Hello } from "../protocol";
+import { Bodies, type Body, POSE_FLOATS } from "./bodies";
 import { Camera, type CameraMode } from "./camera";
-import { Contacts } from "./contacts";
+import { SceneChannels } from "./channels";
 import { rimOf } from "./framing";
+import { Glide } from "./glide";
 import { handOf, HandView } from "./hand";
-import { Shadow } from "./shadow";
+import { PoseHistory } from "./history";
+import { Overlays } from "./overlays";
+import { Picker } from "./pick";
+import { Pointer, PUSH_LASTS_S } from "./pointer";
+import { SPRING_N_PER_M } from "./push";
+import { loadSettings, saveSettings, type ViewSettings } from "./settings";
 import { buildStage } from "./stage";
-import { Trail } from "./trail";
+
+const NOTHING = new Float32Array();
+const RENDER_SMOOTHING = 0.05;
+/** Without a graphics card every picture takes processor time from charts and gains: 30 a second are enough, ms. */
+const SOFTWARE_EVERY_MS = 30;
+
+export interface WorldHandlers {
+  /** The camera's mode changed by itself. */
+  mode(): void;
+  /** Another body, or none, is chosen. */
+  chosen(): void;
+  send(message: ClientMessage): void;
+}
 
 export class World {
+  readonly view: Camera;
+  readonly picker: Picker;
+  readonly pointer: Pointer;
+  readonly overlays: Overlays;
+  readonly history = new PoseHistory();
+  readonly settings: ViewSettings = loadSettings();
+  bodies: Bodies | null = null;
+  channels = new SceneChannels([], 0);
+  glide = new Glide(1, this.channels.count);
+  /** Contacts of the newest frame. */
+  private contacts: Float32Array = NOTHING;
+  /** Mean time the page spends in drawing one picture, ms. */
+  renderMs = 0;
+  /** Pictures drawn. */
+  pictures = 0;
   private readonly stage;
-  private readonly view: Camera;
-  private readonly flown: Trail;
-  private readonly wanted: Trail;
-  private readonly contacts: Contacts;
-  private readonly shadow = new Shadow();
   private readonly hand: HandView;
+  private readonly calm = matchMedia("(prefers-reduced-motion: reduce)");
+  private readonly lag = new Vector3();
   private handName: string | undefined;
-  private bodies: Bodies | null = null;
+  private flying = false;
+  private old = false;
   private dirty = true;
+  private time = NaN;
+  private renderedAt = 0;
+  private drawnAt = -Infinity;
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
     handFrame: HTMLElement,
     private palette: Palette,
-    onMode: () => void,
+    private readonly handlers: WorldHandlers,
   ) {
     this.stage = buildStage(canvas);
-    this.hand = new HandView(canvas, handFrame);
-    this.view = new Camera(canvas, () => (this.dirty = true), onMode);
-    this.flown = new Trail(palette.estimate);
-    this.wanted = new Trail(palette.setpoint);
-    this.contacts = new Contacts(palette.fourth);
-    this.stage.scene.add(this.wanted.line, this.flown.line, this.contacts.root, this.shadow.mesh);
-    this.stage.setColors(palette);
     const frame = canvas.parentElement ?? canvas;
+    this.hand = new HandView(canvas, handFrame);
+    this.view = new Camera(canvas, () => this.touch(), () => handlers.mode());
+    this.overlays = new Overlays(this.stage.scene, palette, this.settings);
+    this.picker = new Picker(this.view.camera, canvas);
+    this.pointer = new Pointer(canvas, frame, this.picker, {
+      bodies: () => this.bodies,
+      hovered: (body) => this.hover(body),
+      chosen: (body) => this.choose(body?.name),
+      pushed: (force) => this.push(force, PUSH_LASTS_S),
+      pushable: () => this.pushable,
+    });
+    this.stage.setColors(palette);
     new ResizeObserver(() => this.resize(frame.clientWidth, frame.clientHeight)).observe(frame);
   }
 
@@ -52,7 +92,7 @@ export class World {
 
   set mode(mode: CameraMode) {
     this.view.mode = mode;
-    this.dirty = true;
+    this.touch();
   }
 
   get handShown(): boolean {
@@ -61,79 +101,213 @@ export class World {
 
   set handShown(shown: boolean) {
     this.hand.shown = shown;
-    this.dirty = true;
+    this.touch();
+  }
+
+  /** The body whose card is open. */
+  get chosenBody(): Body | undefined {
+    return this.overlays.chosen.body;
+  }
+
+  /** A push would do something: the flight runs, and is seen as it is. */
+  get pushable(): boolean {
+    return this.flying && !this.old;
+  }
+
+  /** Whether ticks are being flown; a flight that is held is shown exactly as it stands. */
+  flow(flying: boolean): void {
+    if (this.flying === flying) return;
+    this.flying = flying;
+    if (flying) return;
+    this.glide.snap();
+    this.place();
+  }
+
+  /** What is shown is old: forces and wind of then are not drawn, and nobody can push. */
+  age(old: boolean): void {
+    if (this.old === old) return;
+    this.old = old;
+    if (old) this.pointer.release();
+    this.place();
   }
 
   /** Shows another flight. */
   rebuild(hello: Hello): void {
-    if (this.bodies !== null) {
-      this.stage.scene.remove(this.bodies.root);
-      this.bodies.dispose();
-    }
+    const chosen = this.chosenBody?.name;
+    this.bodies?.root.removeFromParent();
+    this.bodies?.dispose();
+    this.pointer.release();
     this.bodies = new Bodies(hello.scene, this.palette.setpoint, this.palette.muted);
     this.stage.scene.add(this.bodies.root);
+    this.channels = new SceneChannels(hello.channels, hello.scene.rotors.length);
+    this.glide = new Glide(this.bodies.moving.length + 1, this.channels.count);
+    this.overlays.rebuild(hello, this.bodies, this.channels);
     this.clear();
+    this.flow(hello.state.phase === "flying");
     this.handName = handOf(hello.scene);
-    const vehicle = this.bodies.vehicle();
-    if (vehicle === undefined) return;
-    this.view.cover(rimOf(this.bodies.root, vehicle.position));
-    this.view.track(vehicle.position);
-    this.shadow.follow(vehicle.position);
+    const vehicle = this.bodies.vehicle()?.object;
+    if (vehicle !== undefined) {
+      this.view.cover(rimOf(this.bodies.root, vehicle.position));
+      this.view.track(vehicle.position);
+    }
+    this.choose(chosen);
+    this.handlers.chosen();
   }
 
   clear(): void {
-    this.flown.clear();
-    this.wanted.clear();
-    this.contacts.update(new Float32Array());
-    this.dirty = true;
+    this.overlays.clear();
+    this.history.clear();
+    this.glide.forget();
+    this.contacts = NOTHING;
+    this.time = NaN;
+    this.touch();
   }
 
   update(frame: Telemetry): void {
     if (this.bodies === null) return;
-    this.bodies.update(frame.poses, frame.reference);
-    this.contacts.update(frame.contacts);
-    const vehicle = this.bodies.vehicle();
-    if (vehicle !== undefined) {
-      const { x, y, z } = vehicle.position;
-      this.flown.add(x, y, z);
-      this.view.track(new Vector3(x, y, z));
-      this.shadow.follow(vehicle.position);
-    }
-    const [x = NaN, y = NaN, z = NaN] = frame.reference;
-    this.wanted.add(x, y, z);
-    this.dirty = true;
+    const { target } = this.glide;
+    const reference = this.bodies.moving.length * POSE_FLOATS;
+    const vehicle = (this.bodies.vehicle()?.index ?? 0) * POSE_FLOATS;
+    if (frame.tSim < this.time) this.clear();
+    // The trail reaches to the frame before; its end is where the vehicle is shown.
+    if (!Number.isNaN(this.time)) this.overlays.remember(target, vehicle, reference, this.time);
+    target.set(frame.poses.subarray(0, reference));
+    target.set(frame.reference, reference);
+    this.channels.pick(frame, target, reference + POSE_FLOATS);
+    if (Number.isNaN(this.time)) this.overlays.remember(target, vehicle, reference, frame.tSim);
+    this.time = frame.tSim;
+    this.history.add(frame.tSim, frame.poses);
+    this.contacts = frame.contacts;
+    this.overlays.contacts.update(frame.contacts);
+    this.glide.arrived(performance.now(), !this.flying);
+    this.place();
   }
 
   recolor(palette: Palette): void {
     this.palette = palette;
     this.stage.setColors(palette);
-    this.flown.line.material.color.set(palette.estimate);
-    this.wanted.line.material.color.set(palette.setpoint);
-    this.contacts.material.color.set(palette.fourth);
+    this.overlays.recolor(palette);
     this.bodies?.recolor(palette.muted);
-    this.dirty = true;
+    this.touch();
   }
 
-  /** World poses as drawn, by body name. */
-  drawn(): Record<string, DrawnPose> {
-    return this.bodies?.drawn() ?? {};
+  /** The settings have been changed: shows and keeps them. */
+  applySettings(): void {
+    saveSettings(this.settings);
+    this.overlays.apply();
+    this.place();
+  }
+
+  /** Chooses the body called `name`, or none. */
+  choose(name: string | undefined): void {
+    if (this.overlays.chosen.surround(this.bodies?.body(name))) this.handlers.chosen();
+    this.touch();
+  }
+
+  /** Chooses the next body (`by` 1) or the one before (-1). */
+  chooseNext(by: number): void {
+    const bodies = this.bodies?.list() ?? [];
+    const now = bodies.findIndex(({ name }) => name === this.chosenBody?.name);
+    const next = now < 0 && by < 0 ? bodies.length - 1 : (now + by + bodies.length) % bodies.length;
+    this.choose(bodies[next]?.name);
+  }
+
+  /** Pushes the vehicle by `force`, N in the world, for `duration` s. */
+  push(force: Vector3, duration: number): void {
+    this.handlers.send({ type: "disturb", disturbance: { kind: "push", force_n: [force.x, force.y, force.z], duration_s: duration } });
+  }
+
+  /** Newest forces on the vehicle, N; NaN where unknown or old. */
+  forcesNow(): { total_thrust: number; estimate: number; adapter: number } {
+    const k = this.scalarsAt;
+    const { estimateAt, adapterAt } = this.channels;
+    let total = 0;
+    for (let i = k; i < k + estimateAt; i += 1) total += this.newest(i);
+    return { total_thrust: estimateAt === 0 ? NaN : total, estimate: Math.hypot(...this.triple(k + estimateAt)), adapter: Math.hypot(...this.triple(k + adapterAt)) };
+  }
+
+  /** Newest wind at the vehicle in the world, m/s; NaN where unknown or old. */
+  windNow(): [number, number, number] {
+    return this.triple(this.scalarsAt + this.channels.windAt);
+  }
+
+  /** Contacts of the newest frame, if it is not old. */
+  get contactsInSight(): Float32Array {
+    return this.old ? NOTHING : this.contacts;
   }
 
   /** Draws if anything changed since the last call. */
-  render(): void {
-    if (!this.dirty) return;
+  render(now: number): void {
+    if (this.glide.sample(now)) this.place();
+    if (this.view.advance(now) || this.pointer.frame(now)) this.touch();
+    this.overlays.pull(this.pointer.pushing ? this.pointer.spring : null, SPRING_N_PER_M);
+    this.spin((now - this.renderedAt) / 1000);
+    this.renderedAt = now;
+    const { renderer, scene, surface } = this.stage;
+    if (!surface.ready() || !this.dirty || (this.software && now - this.drawnAt < SOFTWARE_EVERY_MS)) return;
     this.dirty = false;
-    const { renderer, scene } = this.stage;
+    this.drawnAt = now;
+    const start = performance.now();
+    this.overlays.seenFrom(this.view.camera.position);
     renderer.render(scene, this.view.camera);
-    this.hand.render(renderer, scene, this.bodies?.body(this.handName), this.bodies?.vehicle());
+    this.hand.render(renderer, scene, this.bodies?.body(this.handName)?.object, this.bodies?.vehicle()?.object);
+    surface.finish();
+    this.pictures += 1;
+    this.renderMs += RENDER_SMOOTHING * (performance.now() - start - this.renderMs);
+  }
+
+  private touch(): void {
+    this.dirty = true;
+  }
+
+  private hover(body: Body | undefined): void {
+    if (this.overlays.hovered.surround(body)) this.touch();
+    this.canvas.style.cursor = body === undefined ? "" : "pointer";
+  }
+
+  private spin(dt: number): void {
+    const turning = this.flying && !this.old && !this.calm.matches;
+    this.bodies?.rotors.turn(turning ? dt : 0, this.glide.shown, this.scalarsAt);
+    if (turning) this.touch();
+  }
+
+  private newest(index: number): number {
+    return this.old || Number.isNaN(this.time) ? NaN : (this.glide.target[index] ?? NaN);
+  }
+
+  private triple(index: number): [number, number, number] {
+    return [this.newest(index), this.newest(index + 1), this.newest(index + 2)];
+  }
+
+  /** Where the single numbers start in what glides. */
+  get scalarsAt(): number {
+    return ((this.bodies?.moving.length ?? 0) + 1) * POSE_FLOATS;
+  }
+
+  /** Puts bodies and overlays where the glide has them now. */
+  private place(): void {
+    this.touch();
+    if (this.bodies === null || Number.isNaN(this.time)) return;
+    const { shown, target } = this.glide;
+    this.bodies.update(shown, this.settings.shown.ghost);
+    const vehicle = this.bodies.vehicle();
+    if (vehicle !== undefined) {
+      // Contacts come with the newest frame; the bodies they act on are shown a little earlier.
+      const k = vehicle.index * POSE_FLOATS;
+      this.lag.set((shown[k] ?? NaN) - (target[k] ?? NaN), (shown[k + 1] ?? NaN) - (target[k + 1] ?? NaN), (shown[k + 2] ?? NaN) - (target[k + 2] ?? NaN));
+      if (Number.isFinite(this.lag.x)) this.overlays.contacts.root.position.copy(this.lag);
+      this.view.track(vehicle.object.position);
+    }
+    this.overlays.place(this.bodies, shown, this.scalarsAt, this.time, this.old);
   }
 
   private resize(width: number, height: number): void {
     if (width === 0 || height === 0) return;
-    this.stage.renderer.setSize(width, height, false);
+    this.stage.resize(width, height);
+    this.overlays.resize(width, height);
     this.view.resize(width / height);
     this.canvas.style.width = "100%";
     this.canvas.style.height = "100%";
-    this.dirty = true;
+    this.touch();
   }
 }

@@ -1,0 +1,105 @@
+// The flight's tick while 200 clients of every kind watch, of which 20 take nothing: node tests/browser/crowd.mjs [--seconds 10]
+// Reports, asserts nothing: lateness of ticks without and with the crowd, ticks lost, and the server's memory per client.
+import { parseArgs } from "node:util";
+import WebSocket from "ws";
+import { freePort, pause, startTwin } from "./harness.mjs";
+import { between, lateness, LONG_FLIGHT, machine, Reader, residentMiB, stalled } from "./measure.mjs";
+
+const { values: options } = parseArgs({ options: { seconds: { type: "string", default: "10" }, rounds: { type: "string", default: "2" } } });
+const SECONDS = Number(options.seconds);
+/** Empty and crowded stretches take turns, so that what else the machine does falls on both. */
+const ROUNDS = Number(options.rounds);
+/** Clients that read, and clients that do not, by kind. */
+const CROWD = { console: [80, 5], meshcat: [40, 5], viser: [40, 5], foxglove: [20, 5] };
+/** MeshCat and viser are sent the newest poses, Foxglove every row. */
+const TOPICS = ["/tf", "/scene", "/twin/telemetry"];
+
+const say = (name, value) => console.log(`${name.padEnd(52)} ${value}`);
+
+function join(url, subprotocols, reads, hear = () => {}) {
+  const socket = new WebSocket(url, subprotocols, { perMessageDeflate: false });
+  const client = { frames: 0, closed: false, close: () => socket.terminate() };
+  socket.on("error", () => {});
+  socket.on("close", () => (client.closed = true));
+  socket.on("message", (data, binary) => {
+    client.frames += 1;
+    if (!binary) hear(socket, data);
+  });
+  return new Promise((resolve, reject) => {
+    socket.once("error", reject);
+    socket.once("open", () => {
+      if (!reads) socket.pause();
+      resolve(client);
+    });
+  });
+}
+
+/** Subscribes to everything that is advertised of the topics, and then reads or does not. */
+function foxglove(port, reads) {
+  let id = 0;
+  return join(`ws://127.0.0.1:${port}`, ["foxglove.sdk.v1"], true, (socket, data) => {
+    const said = JSON.parse(data);
+    if (said.op !== "advertise") return;
+    const channels = said.channels.filter(({ topic }) => TOPICS.includes(topic));
+    socket.send(JSON.stringify({ op: "subscribe", subscriptions: channels.map((channel) => ({ id: (id += 1), channelId: channel.id })) }));
+    if (!reads && id >= TOPICS.length) socket.pause();
+  });
+}
+
+const twins = await freePort();
+const beside = await freePort();
+const twin = await startTwin("scenarios/hover.toml", twins, [...LONG_FLIGHT, "--foxglove-port", String(beside)]);
+const ws = twin.url.replace("http", "ws");
+const kinds = {
+  console: (reads) => (reads ? Reader.connect(twin.url) : stalled(twin.url)),
+  meshcat: (reads) => join(`${ws}/`, [], reads),
+  viser: (reads) => join(`${ws}/viser`, ["viser-v1.1.1"], reads),
+  foxglove: (reads) => foxglove(beside, reads),
+};
+
+say("machine", machine());
+const sums = { "no client": [], crowd: [] };
+let taken = 0;
+let lost = 0;
+const total = Object.values(CROWD).reduce((sum, [reading, silent]) => sum + reading + silent, 0);
+const silent = Object.values(CROWD).reduce((sum, [, one]) => sum + one, 0);
+try {
+  await pause(2000);
+  for (let turn = 0; turn < ROUNDS; turn += 1) {
+    const alone = await lateness(twin.url);
+    await pause(SECONDS * 1e3);
+    sums["no client"].push(between(alone, await lateness(twin.url)));
+    const before = residentMiB(twin.pid);
+    const clients = [];
+    for (const [kind, [reading, mute]] of Object.entries(CROWD)) {
+      for (let k = 0; k < reading + mute; k += 1) clients.push({ kind, reads: k < reading, client: await kinds[kind](k < reading) });
+    }
+    await pause(3000);
+    const crowded = await lateness(twin.url);
+    await pause(SECONDS * 1e3);
+    sums.crowd.push(between(crowded, await lateness(twin.url)));
+    const with_ = residentMiB(twin.pid);
+    say(`turn ${turn + 1}: server MiB without / with, KiB a client`, `${before.toFixed(1)} / ${with_.toFixed(1)}, ${(((with_ - before) * 1024) / total).toFixed(0)}`);
+    for (const kind of Object.keys(CROWD)) {
+      const reading = clients.filter((one) => one.kind === kind && one.reads).map(({ client }) => client);
+      if (kind === "console") {
+        taken += reading.reduce((sum, { ticks }) => sum + ticks, 0);
+        lost += reading.reduce((sum, { gapTicks }) => sum + gapTicks, 0);
+      } else {
+        const frames = reading.map((client) => client.frames);
+        say(`turn ${turn + 1}: ${kind}: fewest / most frames, closed`, `${Math.min(...frames)} / ${Math.max(...frames)}, ${reading.filter(({ closed }) => closed).length}`);
+      }
+    }
+    clients.forEach(({ client }) => client.close());
+    await pause(1500);
+  }
+  for (const [name, stretches] of Object.entries(sums)) {
+    const ticks = stretches.reduce((sum, one) => sum + one.ticks, 0);
+    const mean = (key) => ((100 * stretches.reduce((sum, one) => sum + one[key] * one.ticks, 0)) / ticks).toFixed(2);
+    const who = name === "crowd" ? `${total} clients, ${silent} stalled` : name;
+    say(`tick late <= 0.25 / 1 / 5 / 25 ms, %: ${who}`, ["within_0_25_ms", "within_1_ms", "within_5_ms", "within_25_ms"].map(mean).join(" / "));
+  }
+  say("ticks taken / lost by the consoles that read", `${taken} / ${lost}`);
+} finally {
+  await twin.stop();
+}

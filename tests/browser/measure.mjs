@@ -1,0 +1,101 @@
+// What the figures of the console are made from: clients that read or stall, the server's own histogram, memory.
+import { execFileSync } from "node:child_process";
+import { readFileSync } from "node:fs";
+import WebSocket from "ws";
+
+/** Flags of `twin fly` for a flight as long as a scenario may be. */
+export const LONG_FLIGHT = ["--set", "task.duration_s=3600", "--set", "time_limit_s=3600"];
+
+/** A client that reads everything and counts the ticks that the server says it lost. */
+export class Reader {
+  ticks = 0;
+  gapTicks = 0;
+  #schema = -1;
+
+  static async connect(url) {
+    const made = new Reader();
+    made.socket = await opened(url);
+    made.socket.on("message", (data, binary) => (binary ? made.#telemetry(data) : made.#text(data)));
+    return made;
+  }
+
+  close() {
+    this.socket.terminate();
+  }
+
+  #text(data) {
+    const message = JSON.parse(data);
+    if (message.type === "hello") this.#schema = message.schema_id;
+  }
+
+  #telemetry(data) {
+    if (data.readUInt16LE(2) !== this.#schema) return;
+    this.ticks += data.readUInt16LE(8);
+    this.gapTicks += data.readUInt32LE(16);
+  }
+}
+
+/** A client that is connected and takes nothing off its socket. */
+export async function stalled(url) {
+  const socket = await opened(url);
+  socket.pause();
+  return { close: () => socket.terminate() };
+}
+
+function opened(url) {
+  const socket = new WebSocket(url.replace("http", "ws") + "/ws");
+  socket.on("error", () => {});
+  return new Promise((resolve, reject) => {
+    socket.once("open", () => resolve(socket));
+    socket.once("error", reject);
+  });
+}
+
+/** Counts by upper edge (ms) of how late ticks began, as `/metrics` has them; cumulative since the server's start. */
+export async function lateness(url) {
+  const text = await (await fetch(`${url}/metrics`)).text();
+  const counts = [...text.matchAll(/^twin_tick_lateness_seconds_bucket\{le="([^"]+)"\} (\d+)/gm)];
+  return new Map(counts.map(([, edge, count]) => [edge === "+Inf" ? Infinity : Number(edge) * 1e3, Number(count)]));
+}
+
+/** Ticks of the stretch between two readings, and the share that began at most so late. */
+export function between(before, after) {
+  const ticks = after.get(Infinity) - before.get(Infinity);
+  const within = (edge) => (after.get(edge) - before.get(edge)) / ticks;
+  return { ticks, within_0_25_ms: within(0.25), within_1_ms: within(1), within_5_ms: within(5), within_25_ms: within(25) };
+}
+
+/** Milliseconds to add to the server's uptime for the page's clock, from the quickest of some questions. */
+export async function clockOffset(url, tries = 30) {
+  let best = { tripMs: Infinity, offsetMs: NaN };
+  for (let k = 0; k < tries; k += 1) {
+    const asked = Date.now() + fraction();
+    const { uptime_s: uptimeS } = await (await fetch(`${url}/api/health`)).json();
+    const answered = Date.now() + fraction();
+    if (answered - asked < best.tripMs) best = { tripMs: answered - asked, offsetMs: (asked + answered) / 2 - uptimeS * 1e3 };
+  }
+  return best;
+}
+
+/** `Date.now` is whole milliseconds; what is missing, by the finer clock. */
+function fraction() {
+  return performance.timeOrigin + performance.now() - Date.now();
+}
+
+export function quantile(values, share) {
+  const sorted = [...values].sort((a, b) => a - b);
+  return sorted[Math.min(sorted.length - 1, Math.floor(share * sorted.length))];
+}
+
+/** Resident memory of a process, MiB. */
+export function residentMiB(pid) {
+  const line = readFileSync(`/proc/${pid}/status`, "utf8").match(/^VmRSS:\s+(\d+) kB/m);
+  return Number(line[1]) / 1024;
+}
+
+/** What the machine is, so that a figure says where it comes from. */
+export function machine() {
+  const model = readFileSync("/proc/cpuinfo", "utf8").match(/^model name\s*:\s*(.*)$/m)?.[1] ?? "unknown processor";
+  const cores = execFileSync("nproc", { encoding: "utf8" }).trim();
+  return `${cores} x ${model}`;
+}

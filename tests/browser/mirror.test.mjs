@@ -1,0 +1,97 @@
+// The console beside a recording: what it says it is, the way to any moment of it, and a stretch played again and again.
+import assert from "node:assert/strict";
+import { spawnSync } from "node:child_process";
+import { mkdtempSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import path from "node:path";
+import { after, before, test } from "node:test";
+import { BINARY, freePort, launchBrowser, openConsole, pause, ROOT, startMirror, until } from "./harness.mjs";
+
+const FLIGHT_S = 12;
+const TICK_S = 0.01;
+const folder = mkdtempSync(path.join(tmpdir(), "twin-mirror-"));
+let browser;
+let twin;
+let page;
+let complaints;
+
+before(async () => {
+  const file = path.join(folder, "hover.mcap");
+  const flags = ["--headless", "--json", "--record", file, "--set", `task.duration_s=${FLIGHT_S}`, "--set", `time_limit_s=${FLIGHT_S + 5}`];
+  const run = spawnSync(BINARY, ["fly", "scenarios/hover.toml", ...flags], { cwd: ROOT, encoding: "utf8" });
+  assert.equal(run.status, 0, run.stderr);
+  browser = await launchBrowser();
+  twin = await startMirror(file, await freePort(), ["--start-paused"]);
+  ({ page, complaints } = await openConsole(browser, twin.url, { viewport: { width: 1440, height: 900 } }));
+});
+
+after(async () => {
+  await browser?.close();
+  await twin?.stop();
+  rmSync(folder, { recursive: true, force: true });
+});
+
+const nowS = () => page.evaluate(() => window.__twin.lastTick * 0.01);
+
+const phase = () => page.evaluate(() => window.__twin.state.phase);
+
+const seek = async (timeS) => {
+  await page.$eval("#mirror-time", (slider, value) => {
+    slider.value = String(value);
+    slider.dispatchEvent(new Event("input"));
+    slider.dispatchEvent(new Event("change"));
+  }, timeS);
+  await until(async () => Math.abs((await nowS()) - timeS) <= TICK_S, 20_000, `the console shows ${timeS} s`);
+};
+
+test("it says that it is a recording, and shows how far twin and vehicle part, not a controller", async () => {
+  assert.match(await page.textContent("#mirror-bar"), /mirrored.*hover\.mcap/s);
+  const titles = (await page.evaluate(() => window.__twin.charts.panels.map(({ title }) => title)));
+  assert.ok(titles.includes("Divergence from the twin"), titles.join(", "));
+  assert.ok(!titles.includes("Robust term"), titles.join(", "));
+  assert.equal(await page.isVisible("#wind-open"), false);
+});
+
+test("a seek shows that moment, with the seconds before it on the charts", async () => {
+  await seek(8);
+  assert.ok((await page.evaluate(() => window.__twin.rows)) >= 800, "the run-up is in the history, without a hole");
+  assert.equal(await page.evaluate(() => window.__twin.gapTicks), 0);
+  await page.keyboard.press("Control+ArrowLeft");
+  await until(async () => Math.abs((await nowS()) - 7.99) < TICK_S / 2, 20_000, "one tick back");
+});
+
+test("a stretch marked on the charts is played again and again", async () => {
+  await seek(4);
+  // The range is marked where the flight stands; the stretch is from 4 s to about 5 s.
+  await page.keyboard.press("i");
+  await page.click("#pause");
+  await until(async () => (await nowS()) >= 5, 20_000, "a second is played");
+  await page.keyboard.press("o");
+  await page.click("#mirror-loop");
+  const [from, to] = (await page.textContent("#mirror-loop")).match(/[\d.]+/g).map(Number);
+  assert.ok(from >= 3.9 && from <= 4.2 && to >= 4.9 && to < FLIGHT_S - 1, `${from} to ${to}`);
+  const seen = [];
+  await until(async () => {
+    seen.push(await nowS());
+    return seen.filter((time, k) => k > 0 && time < seen[k - 1] - 0.5).length >= 2;
+  }, 40_000, () => `it went back twice; seen ${seen.slice(-20).join(", ")}`);
+  // The page asks ten times a second, and the way there and back takes what the machine takes.
+  assert.ok(Math.max(...seen) < to + 2, `${Math.max(...seen)} after ${to}`);
+  await page.click("#mirror-loop");
+  assert.equal(await page.textContent("#mirror-loop"), "Loop");
+});
+
+test("the whole of it is played again from its end when nothing is marked", async () => {
+  await page.keyboard.press("Control+k");
+  await page.keyboard.type("forget the range");
+  await page.keyboard.press("Enter");
+  if ((await phase()) === "flying") await page.click("#pause");
+  await until(async () => (await phase()) === "paused", 20_000, "it is held");
+  await seek(FLIGHT_S - 1);
+  await page.click("#mirror-loop");
+  await page.click("#pause");
+  await until(async () => (await nowS()) < 2, 40_000, "it begins again");
+  await pause(300);
+  assert.equal(await phase(), "flying");
+  assert.deepEqual(complaints.filter((text) => !/GPU stall|swiftshader/i.test(text)), []);
+});

@@ -1,0 +1,81 @@
+// `twin export html` and the replay of a failed test: one file, no network, open at the second at which it failed.
+import assert from "node:assert/strict";
+import { spawnSync } from "node:child_process";
+import { mkdtempSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import path from "node:path";
+import { pathToFileURL } from "node:url";
+import { after, before, test } from "node:test";
+import { BINARY, launchBrowser, ROOT, until } from "./harness.mjs";
+
+const folder = mkdtempSync(path.join(tmpdir(), "twin-replay-"));
+let browser;
+let page;
+const complaints = [];
+const asked = [];
+
+before(async () => {
+  // A controller without feedback on z, told to keep a bound that it cannot keep: the test fails, and leaves its replay.
+  const flags = ["test", "scenarios/fails_broken_controller.toml", "--set", "expect.fails=tilt_rad", "--artifacts", folder, "--json"];
+  const run = spawnSync(BINARY, flags, { cwd: ROOT, encoding: "utf8" });
+  assert.equal(run.status, 1, run.stderr);
+  const [failed] = JSON.parse(run.stdout).cases;
+  assert.match(failed.message, /position_error_m/);
+  browser = await launchBrowser();
+  const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, colorScheme: "dark", offline: true });
+  page = await context.newPage();
+  page.on("console", (message) => ["error", "warning"].includes(message.type()) && complaints.push(message.text()));
+  page.on("pageerror", (error) => complaints.push(error.message));
+  page.on("request", (request) => asked.push(request.url()));
+  await page.goto(pathToFileURL(path.join(folder, "fails_broken_controller.html")).href);
+  await until(() => page.evaluate(() => (window.__replay?.shownPose.length ?? 0) === 3), 20_000, "the page shows the flight");
+});
+
+after(async () => {
+  await browser?.close();
+  rmSync(folder, { recursive: true, force: true });
+});
+
+const replay = () => page.evaluate(() => ({ ...window.__replay }));
+
+test("it opens at the second at which the bound broke, and says which", async () => {
+  const text = await page.textContent("#failures");
+  const broken = Number(/broken at ([\d.]+) s/.exec(text)[1]);
+  const { time, failures } = await replay();
+  assert.ok(Math.abs(time - broken) < 0.011, `${time} against ${broken}: one tick`);
+  assert.equal(failures, 1);
+  assert.match(text, /position_error_m/);
+  assert.equal(await page.getAttribute("#verdict", "data-tone"), "bad");
+});
+
+test("it needs nothing but itself, and the browser has nothing to complain about", () => {
+  assert.deepEqual(asked.filter((url) => !/^(file|data|blob):/.test(url)), []);
+  assert.deepEqual(complaints.filter((text) => !/GPU stall|swiftshader/i.test(text)), []);
+});
+
+test("scrubbing moves the vehicle and the clock of the charts together", async () => {
+  const scrub = (time) =>
+    page.$eval("#scrub", (input, value) => {
+      input.value = String(value);
+      input.dispatchEvent(new Event("input"));
+    }, time);
+  const heights = [];
+  for (const time of [1, 3.8, 8]) {
+    await scrub(time);
+    await until(async () => Math.abs((await replay()).time - time) < 0.006 && (await page.textContent("#time")) === `${time.toFixed(2)} s`, 5_000, `the clock shows ${time} s`);
+    heights.push((await replay()).shownPose[2]);
+  }
+  // Without feedback it sinks or climbs by more than the bound of 15 cm.
+  assert.ok(Math.abs(heights[1] - heights[0]) > 0.1 && Math.max(...heights) - Math.min(...heights) > 0.15, heights.join());
+});
+
+test("it plays, stops, and goes back to the failure", async () => {
+  await page.keyboard.press("Space");
+  const { time } = await replay();
+  await until(async () => (await replay()).time > time + 0.3, 10_000, "time goes on");
+  await page.keyboard.press("Space");
+  assert.equal((await replay()).playing, false);
+  await page.click("#failures button");
+  await until(async () => (await replay()).time < 5, 5_000, "it is back at the failure");
+  if (process.env.TWIN_SHOT) await page.screenshot({ path: process.env.TWIN_SHOT });
+});

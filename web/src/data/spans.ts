@@ -1,0 +1,56 @@
+// Stretches of ticks: where the adapter is frozen, which ticks were lost.
+import type { History } from "./history";
+import { Extremes, LEVEL_TICKS } from "./pyramid";
+
+/** Ticks, both included. */
+export interface TickSpan {
+  from: number;
+  to: number;
+}
+
+const COARSE_FROM = 16 * (LEVEL_TICKS[0] ?? 1);
+
+/** Stretches of `from`..`to` in which `column` is above one half; edges are exact to `resolution` ticks. */
+export function spansAbove(history: History, column: number, from: number, to: number, resolution: number): TickSpan[] {
+  const spans: TickSpan[] = [];
+  const extremes = new Extremes();
+  const step = resolution >= COARSE_FROM ? (LEVEL_TICKS[0] ?? 1) : 1;
+  const end = Math.min(to, history.last);
+  const begin = Math.floor(Math.max(from, history.first) / step) * step;
+  for (let tick = begin; tick <= end; tick += step) {
+    extremes.clear();
+    if (step === 1) history.scan(column, tick, tick + 1, extremes);
+    else history.scanLevel(column, 0, tick, tick + step, extremes);
+    if (extremes.empty || extremes.high <= 0.5) continue;
+    const last = spans.at(-1);
+    if (last !== undefined && last.to >= tick - 1) last.to = tick + step - 1;
+    else spans.push({ from: tick, to: tick + step - 1 });
+  }
+  return spans;
+}
+
+/** Those of the ascending, disjoint `spans` that touch `from`..`to`. */
+export function touching(spans: TickSpan[], from: number, to: number): TickSpan[] {
+  return spans.filter((span) => span.to >= from && span.from <= to);
+}
+
+export function covers(spans: TickSpan[], tick: number): boolean {
+  return spans.some((span) => span.from <= tick && tick <= span.to);
+}
+
+/** Part of the ascending `ticks` that lies in `from`..`to`. */
+export function within(ticks: number[], from: number, to: number): number[] {
+  return ticks.slice(lowerBound(ticks, from), lowerBound(ticks, to + 1));
+}
+
+/** Index of the first of the ascending `ticks` that is not before `tick`. */
+export function lowerBound(ticks: ArrayLike<number>, tick: number): number {
+  let low = 0;
+  let high = ticks.length;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if ((ticks[middle] ?? Infinity) < tick) low = middle + 1;
+    else high = middle;
+  }
+  return low;
+}

@@ -1,0 +1,143 @@
+// The bar of a mirrored recording: what it is, where it stands, and the way to any other moment of it. A simulated flight
+// has no such bar. Pause, step and speed are those of the top bar.
+import type { Store } from "../data/store";
+import type { ClientMessage, MirrorInfo, StateInfo } from "../protocol";
+import { commands } from "./commands";
+import { byId, element, setText } from "./dom";
+import { hang } from "./popover";
+import { Throttle } from "./throttle";
+
+/** A slider that is dragged seeks at most so often: each time the shadow flies the ten seconds before anew. */
+const SEEK_EVERY_MS = 150;
+/** What an arrow key goes, s. */
+const ARROW_S = 0.1;
+
+/** A stretch of the recording, s. */
+export interface Stretch {
+  from: number;
+  to: number;
+}
+
+export class MirrorBar {
+  private readonly root = byId("mirror-bar");
+  private readonly slider = byId<HTMLInputElement>("mirror-time");
+  private readonly throttle = new Throttle(SEEK_EVERY_MS, (tS) => this.send({ type: "seek", t_s: tS }));
+  private readonly loopButton = byId("mirror-loop");
+  private dragging = false;
+  /** What is played again and again; null if nothing is. */
+  private loop: Stretch | null = null;
+
+  /** `marked` is the stretch that is marked on the charts, if any. */
+  constructor(
+    private readonly store: Store,
+    private readonly send: (request: ClientMessage) => void,
+    private readonly marked: () => Stretch | null,
+  ) {
+    this.slider.addEventListener("input", () => {
+      this.dragging = true;
+      this.throttle.ask(this.slider.valueAsNumber);
+      this.label(this.slider.valueAsNumber);
+    });
+    this.slider.addEventListener("change", () => {
+      this.dragging = false;
+      this.throttle.flush();
+    });
+    byId("mirror-start").addEventListener("click", () => this.seek(0));
+    byId("mirror-back").addEventListener("click", () => this.by(-this.store.tickS));
+    this.loopButton.addEventListener("click", () => this.toggleLoop());
+    hang(byId("mirror-panel"), byId("mirror-about"));
+    const when = (): boolean => this.info !== null;
+    commands.register(
+      { id: "mirror.back", group: "Recording", description: "100 ms back", keys: ["ArrowLeft"], action: () => this.by(-ARROW_S), when: () => when() && !this.flying, repeats: true },
+      { id: "mirror.tickBack", group: "Recording", description: "one tick back", keys: ["Ctrl+ArrowLeft"], action: () => this.by(-this.store.tickS), when, repeats: true },
+      { id: "mirror.loop", group: "Recording", description: "play the stretch from I to O, else all of it, again and again", keys: ["Shift+O"], action: () => this.toggleLoop(), when },
+      { id: "mirror.start", group: "Recording", description: "to its start", keys: ["Home"], action: () => this.seek(0), when },
+      { id: "mirror.end", group: "Recording", description: "to its end", keys: ["End"], action: () => this.seek(this.info?.duration_s ?? 0), when },
+    );
+  }
+
+  /** A new `hello` came. */
+  rebuild(): void {
+    const { info } = this;
+    this.root.hidden = info === null;
+    document.body.dataset["mode"] = info === null ? "fly" : "mirror";
+    if (info === null) {
+      this.loop = null;
+      return;
+    }
+    this.showLoop();
+    setText(byId("mirror-vehicle"), `${info.vehicle} · ${info.file}`);
+    this.slider.max = String(info.duration_s);
+    this.slider.step = String(this.store.tickS);
+    byId("mirror-facts").replaceChildren(...facts(info).flatMap(([name, text]) => [element("dt", { textContent: name }), element("dd", { textContent: text })]));
+  }
+
+  /** Shows where the recording stands; called a few times a second. */
+  readings(): void {
+    if (this.info === null || this.dragging) return;
+    const tick = this.store.lastTick >= 0 ? this.store.lastTick : (this.store.state?.tick ?? 0);
+    const tS = tick * this.store.tickS;
+    this.slider.value = String(tS);
+    this.label(tS);
+    if (this.loop === null) return;
+    if (tS >= this.loop.to - this.store.tickS && this.flying) this.seek(this.loop.from);
+    else if (this.atEnd(tS)) this.playFrom(this.loop.from);
+  }
+
+  private toggleLoop(): void {
+    this.loop = this.loop === null ? (this.marked() ?? { from: 0, to: this.info?.duration_s ?? 0 }) : null;
+    this.showLoop();
+  }
+
+  private showLoop(): void {
+    const { loop, loopButton } = this;
+    loopButton.ariaPressed = String(loop !== null);
+    setText(loopButton, loop === null ? "Loop" : `Loop ${loop.from.toFixed(1)}–${loop.to.toFixed(1)} s`);
+  }
+
+  /** The recording has been played to its end, and waits there. */
+  private atEnd(tS: number): boolean {
+    return this.store.state?.phase === "paused" && tS >= (this.info?.duration_s ?? Infinity) - 2 * this.store.tickS;
+  }
+
+  private playFrom(tS: number): void {
+    this.seek(tS);
+    this.send({ type: "pause", paused: false });
+  }
+
+  private label(tS: number): void {
+    setText(byId("mirror-now"), `${tS.toFixed(2)} / ${(this.info?.duration_s ?? 0).toFixed(1)} s`);
+    this.slider.ariaValueText = `${tS.toFixed(1)} seconds`;
+  }
+
+  private by(deltaS: number): void {
+    if (this.flying) this.send({ type: "pause", paused: true });
+    this.seek(this.store.lastTick * this.store.tickS + deltaS);
+  }
+
+  private seek(tS: number): void {
+    this.send({ type: "seek", t_s: Math.min(Math.max(tS, 0), this.info?.duration_s ?? 0) });
+  }
+
+  private get info(): MirrorInfo | null {
+    return this.store.hello?.mirror ?? null;
+  }
+
+  private get flying(): boolean {
+    const phase: StateInfo["phase"] | undefined = this.store.state?.phase;
+    return phase === "flying";
+  }
+}
+
+/** What the bar's panel says about the recording. */
+export function facts(info: MirrorInfo): [string, string][] {
+  return [
+    ["solid", `the real flight; ${info.stand_in}`],
+    ["ghost", info.ghost],
+    ["predictor", `${info.predictor}; in shadow: it acts on nothing`],
+    ["force", info.force],
+    ["unknown", info.unknown_rows.length === 0 ? "nothing" : `residual of ${info.unknown_rows.join(", ")}: not in this recording, so not shown`],
+    ["map", info.map],
+    ...info.notes.map((note): [string, string] => ["note", note]),
+  ];
+}

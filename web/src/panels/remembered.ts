@@ -1,0 +1,27 @@
+// A value of the page that survives a reload, as JSON in the browser's storage. Without storage it lives as long as the page.
+
+export interface Remembered<T> {
+  get(): T;
+  set(value: T): void;
+}
+
+export function remembered<T>(key: string, initial: T): Remembered<T> {
+  let value = initial;
+  try {
+    const stored = localStorage.getItem(key);
+    if (stored !== null) value = JSON.parse(stored) as T;
+  } catch {
+    // Unreadable or forbidden: the initial value does.
+  }
+  return {
+    get: () => value,
+    set: (next) => {
+      value = next;
+      try {
+        localStorage.setItem(key, JSON.stringify(next));
+      } catch {
+        // Full or forbidden: it lives as long as the page.
+      }
+    },
+  };
+}

@@ -1,0 +1,48 @@
+// The key to the picture: what each colour in sight means, how long an arrow is for how much, and the newest values.
+import { METRES_PER_NEWTON } from "../scene/forces";
+import type { World } from "../scene/world";
+import { byId, element, setText } from "./dom";
+import { ARROW_KINDS, type KindInfo, MARK_KINDS } from "./viewKinds";
+
+const SCALE_CM = 10;
+/** Kinds whose newest value is told beside their name, N. */
+const VALUED = ["total_thrust", "estimate", "adapter"] as const;
+type Valued = (typeof VALUED)[number];
+
+export class SceneKey {
+  private readonly root = byId("scene-key");
+  private readonly values = new Map<Valued, HTMLElement>();
+
+  constructor(private readonly world: World) {}
+
+  /** What is drawn may have changed. */
+  show(): void {
+    const { shown } = this.world.settings;
+    this.values.clear();
+    const inSight = (info: KindInfo): boolean => shown[info.kind] && info.brief !== undefined && info.kind !== "wind";
+    const items = [...MARK_KINDS, ...ARROW_KINDS].filter(inSight).map((info) => this.item(info));
+    const proportional = ARROW_KINDS.some(({ kind }) => shown[kind] && kind !== "contact" && kind !== "wind");
+    const newtons = SCALE_CM / 100 / METRES_PER_NEWTON;
+    const scale = [...(proportional ? [`${SCALE_CM} cm = ${newtons.toFixed(0)} N`] : []), ...(shown.contact ? ["contact by √N"] : [])];
+    if (scale.length > 0) items.push(element("li", { className: "muted", textContent: scale.join(", ") }));
+    this.root.hidden = items.length === 0;
+    this.root.replaceChildren(...items);
+    this.readings();
+  }
+
+  /** Tells the newest values. */
+  readings(): void {
+    const newtons = this.world.forcesNow();
+    this.values.forEach((output, kind) => setText(output, Number.isFinite(newtons[kind]) ? `${newtons[kind].toFixed(1)} N` : "unknown"));
+  }
+
+  private item({ kind, brief, help, mark }: KindInfo): HTMLElement {
+    const item = element("li", { title: help }, [element("i", { className: `line ${mark ?? ""}` }), brief ?? ""]);
+    const valued = VALUED.find((known) => known === kind);
+    if (valued === undefined) return item;
+    const output = element("output", { textContent: "" });
+    item.append(output);
+    this.values.set(valued, output);
+    return item;
+  }
+}

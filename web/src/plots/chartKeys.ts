@@ -1,0 +1,79 @@
+// What can be done with the charts by key. While they are inspected, the arrows move their cursor instead of the flight.
+import { type Command, commands } from "../panels/commands";
+import type { View } from "./view";
+
+export interface KeyTarget {
+  view: View;
+  /** Period of a tick, s. */
+  tickS(): number;
+  oldest(): number;
+  newest(): number;
+  /** The cursor was moved by a key: say what is there. */
+  moved(): void;
+}
+
+const STEP_S = 0.1;
+const LONG_STEP_S = 1;
+const GROUP = "Charts";
+
+export function registerChartKeys(target: KeyTarget): void {
+  const { view } = target;
+  const cursor = (): number => view.cursor() ?? target.newest();
+  const move = (id: string, key: string, description: string, to: () => number): Command => ({
+    id: `charts.${id}`,
+    group: GROUP,
+    description: `while inspecting: ${description}`,
+    keys: [key],
+    action: () => {
+      view.moveCursor(to());
+      target.moved();
+    },
+    when: () => view.inspecting,
+    repeats: true,
+    keyOnly: true,
+  });
+  commands.register(
+    { id: "charts.inspect", group: GROUP, description: "hold and inspect, or back to live", keys: ["P"], action: () => (view.inspecting ? view.live() : view.hold()) },
+    { id: "charts.mark", group: GROUP, description: "mark at the cursor, again to take it away", keys: ["M"], action: () => view.toggleMarker(cursor(), reach(view)) },
+    { id: "charts.from", group: GROUP, description: "range for the statistics from here", keys: ["I"], action: () => view.setRange("from", cursor()) },
+    { id: "charts.to", group: GROUP, description: "range for the statistics up to here", keys: ["O"], action: () => view.setRange("to", cursor()) },
+    { id: "charts.back", group: GROUP, description: "out of the zoom, then back to live", keys: ["Escape"], action: () => void view.back(), when: () => view.inspecting && document.querySelector(":popover-open") === null },
+    move("earlier", "ArrowLeft", "cursor back by 100 ms", () => cursor() - STEP_S),
+    move("later", "ArrowRight", "cursor on by 100 ms", () => cursor() + STEP_S),
+    move("much-earlier", "Shift+ArrowLeft", "cursor back by 1 s", () => cursor() - LONG_STEP_S),
+    move("much-later", "Shift+ArrowRight", "cursor on by 1 s", () => cursor() + LONG_STEP_S),
+    move("tick-earlier", "Ctrl+ArrowLeft", "cursor back by one tick", () => cursor() - target.tickS()),
+    move("tick-later", "Ctrl+ArrowRight", "cursor on by one tick", () => cursor() + target.tickS()),
+    move("first", "Home", "cursor to the oldest tick", () => target.oldest()),
+    move("last", "End", "cursor to the newest tick", () => target.newest()),
+  );
+}
+
+/** What the palette offers besides. */
+export interface ChartActions {
+  toggleZscore(): void;
+  /** A chart of the operator's own. */
+  add(): void;
+  toDefault(): void;
+  forgetRange(): void;
+  saveCsv(): void;
+  savePng(): void;
+}
+
+export function registerChartActions(charts: ChartActions): void {
+  const offer = (id: string, description: string, action: () => void): Command => ({ id: `charts.${id}`, group: GROUP, description, keys: [], action });
+  commands.register(
+    offer("zscore", "residuals as z-scores or in physical units", charts.toggleZscore),
+    offer("new", "new chart of chosen channels", charts.add),
+    offer("no-range", "forget the range of the statistics", charts.forgetRange),
+    offer("csv", "save what is in view as CSV", charts.saveCsv),
+    offer("png", "save a picture of the charts", charts.savePng),
+    offer("default", "charts, marks and window as at first", charts.toDefault),
+  );
+}
+
+/** Two marks closer than this are one, s. */
+function reach(view: View): number {
+  const [from, to] = view.span();
+  return (to - from) / 200;
+}

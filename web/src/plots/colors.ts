@@ -1,0 +1,42 @@
+// Colours of the charts, from the tokens of the theme in force. Canvas drawing needs them as values.
+import { tokenReader } from "../style/tokens";
+
+export interface ChartColors {
+  ink: string;
+  muted: string;
+  grid: string;
+  panel: string;
+  edge: string;
+  estimate: string;
+  setpoint: string;
+  third: string;
+  fourth: string;
+  good: string;
+  warn: string;
+  bad: string;
+  /** Okabe–Ito in an order in which neighbours differ most, for charts of many lines. */
+  series: string[];
+}
+
+export const SERIES_COLORS = 8;
+/** Pattern of a line, px, so that its kind never rests on colour alone. */
+export const SERIES_DASHES: (number[] | undefined)[] = [undefined, [7, 3], [2, 2], [9, 3, 2, 3], undefined, [5, 2], [1, 3], [12, 3]];
+
+export function readColors(): ChartColors {
+  const value = tokenReader();
+  return {
+    ink: value("ink"),
+    muted: value("muted"),
+    grid: value("grid"),
+    panel: value("panel"),
+    edge: value("edge"),
+    estimate: value("estimate"),
+    setpoint: value("setpoint"),
+    third: value("third"),
+    fourth: value("fourth"),
+    good: value("good"),
+    warn: value("warn"),
+    bad: value("bad"),
+    series: Array.from({ length: SERIES_COLORS }, (_, k) => value(`series-${k + 1}`)),
+  };
+}

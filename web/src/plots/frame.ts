@@ -1,0 +1,78 @@
+// One round of drawing: what every chart of the column is drawn from, taken at one moment, so that all of them show the
+// same stretch although they are drawn one after the other.
+import { bucketTicks } from "../data/decimate";
+import { spansAbove, touching, within } from "../data/spans";
+import type { Store } from "../data/store";
+import type { Mark } from "./clusters";
+import type { Span, View } from "./view";
+
+export interface Frame {
+  /** Stretch shown, s. */
+  span: Span;
+  /** First tick drawn and the one after the last. */
+  ticks: [number, number];
+  /** Newest tick at that moment. */
+  newest: number;
+  bucket: number;
+  zscore: boolean;
+  /** What happened in the stretch, oldest first. */
+  marks: Mark[];
+  /** Times of covariance resets, s. */
+  resets: number[];
+  gaps: Span[];
+  frozen: Span[];
+  range: Span | null;
+  markers: number[];
+  /** Where a forecast begins, s; null if none is shown. */
+  now: number | null;
+}
+
+/** Takes the state of things; `width` is that of a plot, px. */
+export function takeFrame(store: Store, view: View, width: number, zscore: boolean, unmarked: string[]): Frame {
+  const span = view.span();
+  const ticks: [number, number] = [store.tickAt(span[0]) - 1, store.tickAt(span[1]) + 2];
+  const bucket = bucketTicks((span[1] - span[0]) / store.tickS, width / 2);
+  const [first, last] = ticks;
+  const seconds = ({ from, to }: { from: number; to: number }): Span => [store.timeOf(from - 1), store.timeOf(to)];
+  const frozen = store.index("frozen");
+  return {
+    span,
+    ticks,
+    newest: store.history.last,
+    bucket,
+    zscore,
+    marks: marksOf(store, view, first, last).filter(({ kind }) => !unmarked.includes(kind)),
+    resets: unmarked.includes("reset") ? [] : within(store.resets, first, last).map(store.timeOf),
+    gaps: touching(store.gaps, first, last).map(seconds),
+    frozen: frozen === undefined ? [] : spansAbove(store.history, frozen, first, last, bucket).map(seconds),
+    range: rangeOf(view),
+    markers: view.markers.filter((time) => time >= span[0] && time <= span[1]),
+    now: view.leadS > 0 ? store.timeOf(store.history.last) : null,
+  };
+}
+
+/** The range of the statistics: what is shown as far as an end is not set; null if neither is. */
+export function rangeOf(view: View): Span | null {
+  const { from, to } = view.range;
+  if (from === null && to === null) return null;
+  const span = view.span();
+  return [from ?? Math.min(span[0], to ?? span[0]), to ?? Math.max(span[1], from ?? span[1])];
+}
+
+/** Events, resets, lost ticks and the operator's marks between two ticks, oldest first. */
+function marksOf(store: Store, view: View, first: number, last: number): Mark[] {
+  const inside = ({ tick }: { tick: number }): boolean => tick >= first && tick <= last;
+  const told = store.events.filter(inside).map(({ tick, kind, text }) => ({ tick, kind, text, time: store.timeOf(tick) }));
+  const toldResets = new Set(told.filter(({ kind }) => kind === "reset").map(({ tick }) => tick));
+  const resets = within(store.resets, first, last)
+    .filter((tick) => !toldResets.has(tick))
+    .map((tick) => ({ tick, kind: "reset", text: "the covariance was reset", time: store.timeOf(tick) }));
+  const gaps = touching(store.gaps, first, last).map(({ from, to }) => ({
+    tick: from,
+    kind: "gap",
+    text: `${to - from + 1} ${to === from ? "tick was" : "ticks were"} lost on the way to this page`,
+    time: store.timeOf(from),
+  }));
+  const own = view.markers.map((time, k) => ({ tick: store.tickAt(time), kind: "marker", text: `your mark ${k + 1}`, time })).filter(inside);
+  return [...told, ...resets, ...gaps, ...own].sort((a, b) => a.time - b.time);
+}

@@ -1,0 +1,90 @@
+// The panels of the column, kept as long as what they show stays the same: a chart is never built anew for data.
+import type { Store } from "../data/store";
+import { element } from "../panels/dom";
+import type { Arrangement } from "./arrangement";
+import { Chart } from "./chart";
+import type { ChartColors } from "./colors";
+import type { Panel } from "./panel";
+import { type ChartSpec, chartSpecs, ownSpec, SPECTRUM } from "./spec";
+import { SpectrumBars } from "./spectrum";
+
+export interface PanelActions {
+  /** A panel came into being. */
+  made(panel: Panel): void;
+  toggleZscore(): void;
+}
+
+export class Panels {
+  list: Panel[] = [];
+  private signatures = new Map<Panel, string>();
+  private readonly watcher = new IntersectionObserver((entries) => this.seen(entries));
+  private zscoreButton: HTMLButtonElement | null = null;
+
+  constructor(
+    private readonly root: HTMLElement,
+    private readonly store: Store,
+    private readonly lineWidth: number,
+    private readonly actions: PanelActions,
+  ) {}
+
+  /** Charts that can be shown: those of the console, then the operator's own. */
+  specs(arrangement: Arrangement): ChartSpec[] {
+    const { hello } = this.store;
+    const channels = hello?.channels ?? [];
+    const standard = chartSpecs(arrangement.row, channels, (hello?.mirror ?? null) !== null).filter(({ key }) => key !== SPECTRUM || this.hasSpectrum());
+    return [...standard, ...arrangement.own.map((own) => ownSpec(own, channels))];
+  }
+
+  /** Telemetry carries a spectrum of more than one number. */
+  hasSpectrum(): boolean {
+    return (this.store.newest?.spectrum.length ?? 0) > 1;
+  }
+
+  /** Makes the column show what `arrangement` asks for; with `anew` nothing is kept. */
+  sync(arrangement: Arrangement, colors: ChartColors, anew: boolean): void {
+    const specs = this.specs(arrangement).filter(({ key }) => !arrangement.hidden.includes(key));
+    const old = anew ? [] : this.list;
+    const next = specs.map((spec) => {
+      const signature = JSON.stringify(spec);
+      return old.find((panel) => this.signatures.get(panel) === signature) ?? this.make(spec, signature, colors);
+    });
+    for (const panel of this.list) {
+      if (next.includes(panel)) continue;
+      this.watcher.unobserve(panel.root);
+      this.signatures.delete(panel);
+      panel.destroy();
+    }
+    this.list = next;
+    const roots = next.map(({ root }) => root);
+    const same = roots.length === this.root.children.length && roots.every((root, index) => this.root.children[index] === root);
+    if (!same) this.root.replaceChildren(...(roots.length > 0 ? roots : [element("p", { className: "muted empty", textContent: "No charts chosen: the button Charts lists them." })]));
+    if (this.zscoreButton !== null) this.zscoreButton.ariaPressed = String(arrangement.zscore);
+  }
+
+  private make(spec: ChartSpec, signature: string, colors: ChartColors): Panel {
+    const panel: Panel = spec.key === SPECTRUM ? new SpectrumBars(spec, this.store, colors) : new Chart(spec, this.store, colors, this.lineWidth, this.tools(spec));
+    this.signatures.set(panel, signature);
+    this.watcher.observe(panel.root);
+    this.actions.made(panel);
+    return panel;
+  }
+
+  /** The switch between physical units and z-scores, where the flight says what a z-score is. */
+  private tools(spec: ChartSpec): Node[] {
+    const scored = spec.series.some(({ channel }) => (this.store.channel(channel)?.z_scale ?? null) !== null);
+    if (spec.zscore !== true || !scored) return [];
+    const button = element("button", { className: "small", textContent: "z-score", title: "Divide by the scale the forecast was trained with", ariaPressed: "false" });
+    button.addEventListener("click", () => this.actions.toggleZscore());
+    this.zscoreButton = button;
+    return [button];
+  }
+
+  private seen(entries: IntersectionObserverEntry[]): void {
+    for (const entry of entries) {
+      const panel = this.list.find(({ root }) => root === entry.target);
+      if (panel === undefined) continue;
+      panel.visible = entry.isIntersecting;
+      panel.round = -1;
+    }
+  }
+}

@@ -1,0 +1,111 @@
+// Between two telemetry frames: what is shown glides from where it was to the newest frame within about one frame period,
+// so that 10 frames/s move as smoothly as 100. Nothing is extrapolated: once the newest frame is reached, it is shown as
+// it came. State: poses (x y z, w x y z) followed by single numbers, as shown, as started from and as aimed at.
+
+const POSE_FLOATS = 7;
+/** Share of a new interval in the mean frame period. */
+const SMOOTHING = 0.1;
+/** Longer silences are pauses, not periods, ms. */
+const LONGEST_INTERVAL_MS = 500;
+/** A little longer than a period, so that a late frame finds the motion not yet at rest. */
+const STRETCH = 1.15;
+const SHORTEST_MS = 8;
+const LONGEST_MS = 250;
+
+export class Glide {
+  readonly shown: Float32Array;
+  /** Write the newest frame here, then call `arrived`. */
+  readonly target: Float32Array;
+  private readonly start: Float32Array;
+  private periodMs = 20;
+  private arrivedAt = -Infinity;
+  private startAt = 0;
+  private endAt = 0;
+  private sampledAt = -Infinity;
+  private settled = true;
+  private known = false;
+
+  constructor(
+    private readonly poses: number,
+    scalars: number,
+  ) {
+    const floats = poses * POSE_FLOATS + scalars;
+    this.shown = new Float32Array(floats).fill(NaN);
+    this.target = new Float32Array(floats).fill(NaN);
+    this.start = new Float32Array(floats).fill(NaN);
+  }
+
+  /** `target` is new at `now` (ms); `exact` shows it at once. */
+  arrived(now: number, exact: boolean): void {
+    const interval = now - this.arrivedAt;
+    this.arrivedAt = now;
+    if (interval < LONGEST_INTERVAL_MS) this.periodMs += SMOOTHING * (interval - this.periodMs);
+    if (exact || !this.known) return this.snap();
+    this.start.set(this.shown);
+    this.startAt = Math.max(this.sampledAt, now - LONGEST_MS);
+    this.endAt = now + this.durationMs;
+    this.settled = false;
+  }
+
+  /** How long the glide to a frame takes, ms. */
+  get durationMs(): number {
+    return Math.min(LONGEST_MS, Math.max(SHORTEST_MS, STRETCH * this.periodMs));
+  }
+
+  /** Shows the newest frame as it came. */
+  snap(): void {
+    this.shown.set(this.target);
+    this.known = true;
+    this.settled = true;
+  }
+
+  /** What comes next is another flight: there is no way from here to there. */
+  forget(): void {
+    this.known = false;
+    this.settled = true;
+  }
+
+  /** Brings `shown` to `now`, ms; true if it changed. */
+  sample(now: number): boolean {
+    this.sampledAt = now;
+    if (this.settled) return false;
+    const share = (now - this.startAt) / (this.endAt - this.startAt);
+    if (share >= 1) {
+      this.snap();
+      return true;
+    }
+    const part = Math.max(0, share);
+    for (let pose = 0; pose < this.poses; pose += 1) blendPose(this.shown, this.start, this.target, pose * POSE_FLOATS, part);
+    for (let i = this.poses * POSE_FLOATS; i < this.shown.length; i += 1) this.shown[i] = mixed(at(this.start, i), at(this.target, i), part);
+    return true;
+  }
+}
+
+/** Writes the pose `part` of the way from `from` to `to`: position along the line, attitude along the great circle. */
+export function blendPose(out: Float32Array, from: Float32Array, to: Float32Array, offset: number, part: number): void {
+  for (let i = offset; i < offset + 3; i += 1) out[i] = mixed(at(from, i), at(to, i), part);
+  const q = offset + 3;
+  const dot = at(from, q) * at(to, q) + at(from, q + 1) * at(to, q + 1) + at(from, q + 2) * at(to, q + 2) + at(from, q + 3) * at(to, q + 3);
+  let [a, b] = [1 - part, part];
+  const angle = Math.acos(Math.min(1, Math.abs(dot)));
+  if (angle > 1e-4) {
+    a = Math.sin((1 - part) * angle) / Math.sin(angle);
+    b = Math.sin(part * angle) / Math.sin(angle);
+  }
+  // Two quaternions of opposite sign are one attitude: take the short way.
+  if (dot < 0) b = -b;
+  for (let i = q; i < q + 4; i += 1) {
+    const value = a * at(from, i) + b * at(to, i);
+    out[i] = Number.isNaN(value) ? at(to, i) : value;
+  }
+}
+
+/** Unknown at either end is no way between: the newest value holds. */
+function mixed(from: number, to: number, part: number): number {
+  const value = from + part * (to - from);
+  return Number.isNaN(value) ? to : value;
+}
+
+function at(values: Float32Array, index: number): number {
+  return values[index] ?? NaN;
+}
