@@ -253,3 +253,42 @@ fn check_says_what_is_wrong_with_each_file() {
     assert!(lines[0].starts_with("ok") && lines[2].starts_with("ok"), "{stdout}");
     assert!(lines[1].contains("bad.toml:2") && lines[1].contains("payload.mass_kg"), "{stdout}");
 }
+
+#[test]
+fn a_training_that_cannot_be_done_says_why_and_what_to_do() {
+    let folder = Folder::new("train");
+    let config = folder.write("mine.toml", "d_modl = 64\n");
+    let config = config.to_str().expect("a name in UTF-8");
+    refused(&["train", "x.mcap", "--config", config], &["mine.toml", "d_modl", "d_model"]);
+    refused(&["train", "x.mcap", "--config", "medium"], &["medium", "small, paper"]);
+    refused(&["train", "x.mcap", "--epochs", "0"], &["epochs = 0", "1 to"]);
+    refused(
+        &["train", "x.mcap", "--model", "lstm", "--without", "long-memory"],
+        &["--without", "lstm"],
+    );
+    if cfg!(feature = "train") {
+        let empty = folder.0.to_str().expect("a name in UTF-8");
+        refused(&["train", empty], &["no collect_*.mcap", "twin collect"]);
+        let text = folder.write("flight.mcap", "no flight at all");
+        let text = text.to_str().expect("a name in UTF-8");
+        refused(&["train", text], &["flight.mcap", "not an MCAP file"]);
+    } else {
+        refused(
+            &["train", "x.mcap"],
+            &["without training", "cargo build --release --features train"],
+        );
+    }
+}
+
+#[test]
+fn the_settings_of_a_training_can_be_read_back() {
+    let output = twin(&["train", "--config", "paper", "--print-config"]);
+    assert_eq!(output.status.code(), Some(0));
+    let folder = Folder::new("settings");
+    let printed = String::from_utf8(output.stdout).expect("text");
+    let file = folder.write("paper.toml", &printed);
+    let file = file.to_str().expect("a name in UTF-8");
+    let again = twin(&["train", "--config", file, "--print-config"]);
+    assert_eq!(String::from_utf8_lossy(&again.stdout), printed);
+    assert!(printed.contains("d_model = 512") && printed.contains("d_ff = 2048"), "{printed}");
+}

@@ -17,7 +17,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     // The registry of the values in force names what they belong to.
     ("tuning", &["control", "notation", "residual"]),
     ("flight", &["control", "notation", "residual", "source", "task", "tick", "tuning"]),
-    ("mirror", &["model", "notation", "source", "tick"]),
+    ("mirror", &["filter", "model", "notation", "source", "tick"]),
     (
         "scenario",
         &[
@@ -33,8 +33,21 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "tick", "tuning",
         ],
     ),
+    (
+        "replay",
+        // A page is what a console would be sent.
+        &["mirror", "notation", "residual", "scenario", "server", "tick", "tuning"],
+    ),
+    ("suite", &["mirror", "replay", "scenario", "tick", "tuning"]),
+    ("evaluate", &["flight", "mirror", "notation", "residual", "scenario", "tick", "tuning"]),
     ("learn", &["mirror", "notation", "residual", "scenario", "tick"]),
-    ("cli", &["mirror", "model", "notation", "plant", "scenario", "server", "tick"]),
+    (
+        "cli",
+        &[
+            "evaluate", "learn", "mirror", "model", "notation", "plant", "replay", "residual",
+            "scenario", "server", "suite", "tick",
+        ],
+    ),
     ("main", &["cli"]),
     ("lib", &[]),
     ("build", &[]),
@@ -48,7 +61,15 @@ const ONLY_IN: &[(&str, &[&str])] = &[
     ("urdf_rs", &["model"]),
     ("roxmltree", &["model"]),
     ("burn", &["learn"]),
+    ("burn_tensor", &["learn"]),
+    ("safetensors", &["learn", "residual"]),
+    ("libm", &["residual"]),
     ("mcap", &["mirror"]),
+    ("quick_junit", &["suite"]),
+    ("plotters", &["evaluate", "learn", "suite"]),
+    ("glob", &["suite"]),
+    ("flate2", &["replay"]),
+    ("base64", &["replay"]),
     ("foxglove", &["mirror", "server"]),
     ("axum", &["server"]),
     ("tokio", &["server"]),

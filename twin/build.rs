@@ -22,25 +22,29 @@ fn main() -> Result<(), Failure> {
     println!("cargo:rerun-if-changed=twin/build.rs");
     let wish = std::env::var("TWIN_WEB").unwrap_or_default();
     let web = root.join("web");
-    let table = if std::env::var_os("CARGO_FEATURE_WEB").is_none() || wish == "skip" {
-        String::new()
+    let (console, replay) = if std::env::var_os("CARGO_FEATURE_WEB").is_none() || wish == "skip" {
+        (String::new(), String::new())
     } else {
         watch(&web);
-        match build_console(&web, &out) {
-            Ok(table) => table,
+        match build_web(&web, &out) {
+            Ok(tables) => tables,
             Err(error) if wish == "require" => return Err(error),
             Err(error) => {
                 println!("cargo:warning=the console is not part of this build: {error}");
                 // Installing npm changes no file: a file that never exists makes the next build try again.
                 println!("cargo:rerun-if-changed=web/.try-again");
-                String::new()
+                (String::new(), String::new())
             }
         }
     };
     let code = format!(
-        "/// Path, media type, bytes, compressed with gzip.\npub(super) static ASSETS: &[(&str, &str, &[u8], bool)] = &[{table}];\n"
+        "/// Path, media type, bytes, compressed with gzip.\npub(super) static ASSETS: &[(&str, &str, &[u8], bool)] = &[{console}];\n"
     );
     fs::write(out.join("assets.rs"), code)?;
+    let code = format!(
+        "/// Name and bytes, compressed with gzip.\nstatic REPLAY: &[(&str, &[u8])] = &[{replay}];\n"
+    );
+    fs::write(out.join("replay.rs"), code)?;
     Ok(())
 }
 
@@ -63,15 +67,31 @@ fn watch(web: &Path) {
         "src",
         "public",
         "index.html",
+        "replay.html",
         "package.json",
         "package-lock.json",
         "tsconfig.json",
         "vite.config.ts",
+        "vite.replay.config.ts",
     ] {
         if web.join(name).exists() {
             println!("cargo:rerun-if-changed=web/{name}");
         }
     }
+}
+
+/// The table of the console's files and that of the replay page's parts.
+fn build_web(web: &Path, out: &Path) -> Result<(String, String), Failure> {
+    let console = build_console(web, out)?;
+    let dist = out.join("replay");
+    npm(web, &["run", "build:replay", "--", "--outDir", &dist.to_string_lossy(), "--emptyOutDir"])?;
+    fs::copy(web.join("replay.html"), dist.join("replay.html"))?;
+    let mut replay = String::new();
+    for name in ["replay.html", "replay.css", "replay.js"] {
+        let file = compressed(&dist.join(name), &out.join("packed"))?;
+        writeln!(replay, "({name:?}, include_bytes!({:?})),", file.to_string_lossy())?;
+    }
+    Ok((console, replay))
 }
 
 fn build_console(web: &Path, out: &Path) -> Result<String, Failure> {
@@ -125,11 +145,7 @@ fn pack(root: &Path, folder: &Path, packed: &Path, table: &mut String) -> Result
         let (mime, compress) = media_type(&name);
         let mut file = path;
         if compress {
-            let target = packed.join(format!("{}.gz", name.replace('/', "_")));
-            let mut encoder = GzEncoder::new(fs::File::create(&target)?, Compression::best());
-            encoder.write_all(&fs::read(&file)?)?;
-            encoder.finish()?;
-            file = target;
+            file = compressed(&file, packed)?;
         }
         writeln!(
             table,
@@ -138,6 +154,16 @@ fn pack(root: &Path, folder: &Path, packed: &Path, table: &mut String) -> Result
         )?;
     }
     Ok(())
+}
+
+/// Compresses `file` into the folder `packed`; its path there.
+fn compressed(file: &Path, packed: &Path) -> Result<PathBuf, Failure> {
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    let target = packed.join(format!("{name}.gz"));
+    let mut encoder = GzEncoder::new(fs::File::create(&target)?, Compression::best());
+    encoder.write_all(&fs::read(file)?)?;
+    encoder.finish()?;
+    Ok(target)
 }
 
 /// Media type, and whether compression pays.

@@ -4,16 +4,20 @@
 //! [`notation`] and [`tick`], read [`flight`]: it is one tick of the loop, top to bottom.
 
 pub mod control;
+pub mod evaluate;
 pub mod filter;
 pub mod flight;
+pub mod learn;
 pub mod mirror;
 pub mod model;
 pub mod notation;
 pub mod plant;
+pub mod replay;
 pub mod residual;
 pub mod scenario;
 pub mod server;
 pub mod source;
+pub mod suite;
 pub mod task;
 pub mod tick;
 pub mod tuning;

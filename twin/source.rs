@@ -67,4 +67,92 @@ pub enum Disturbance {
         /// In force or not.
         on: bool,
     },
+    /// A part of the vehicle fails or works again.
+    Failure {
+        /// What fails.
+        failure: Failure,
+        /// It begins (`true`) or is over.
+        on: bool,
+    },
+}
+
+/// How a part of the vehicle fails. A second failure of the same kind replaces the first; the end of either ends both.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case", tag = "kind")]
+pub enum Failure {
+    /// Motion capture sees nothing.
+    MocapLoss,
+    /// Motion capture reports the base displaced in the world.
+    MocapOutlier {
+        /// `[x y z]`, m.
+        offset_m: [f64; 3],
+    },
+    /// The IMU's biases jump, in the body frame.
+    ImuBias {
+        /// Accelerometer, m/s².
+        accelerometer_m_s2: [f64; 3],
+        /// Gyro, rad/s.
+        gyro_rad_s: [f64; 3],
+    },
+    /// The joint encoders repeat their last angle and report no fresh rate.
+    EncoderDropout,
+    /// A rotor gives a part of its thrust.
+    MotorEfficiency {
+        /// Which, from 0.
+        rotor: usize,
+        /// Thrust given per thrust of a healthy rotor.
+        factor: f64,
+    },
+    /// Friction of pads and payload.
+    GripperSlip {
+        /// Coefficient meanwhile.
+        friction: f64,
+    },
+    /// Wind on top of the scenario's.
+    Gust {
+        /// `[x y z]` in the world, m/s.
+        velocity_m_s: [f64; 3],
+    },
+    /// The last command of the inner rows stays on the actuators.
+    ComputerStall,
+    /// The predictor answers NaN.
+    PredictorNan,
+}
+
+impl Failure {
+    /// A few words for the event on the tick.
+    pub fn words(&self) -> &'static str {
+        match self {
+            Self::MocapLoss => "motion capture lost",
+            Self::MocapOutlier { .. } => "motion capture displaced",
+            Self::ImuBias { .. } => "IMU bias",
+            Self::EncoderDropout => "joint encoders dead",
+            Self::MotorEfficiency { .. } => "rotor weak",
+            Self::GripperSlip { .. } => "grip slippery",
+            Self::Gust { .. } => "gust",
+            Self::ComputerStall => "control computer stalled",
+            Self::PredictorNan => "predictor answers NaN",
+        }
+    }
+}
+
+impl Disturbance {
+    /// What happens, for people.
+    pub fn sentence(&self) -> String {
+        match self {
+            Disturbance::PayloadMass { kg } => format!("payload is now {:.0} g", kg * 1e3),
+            Disturbance::Wind { velocity_m_s: v } => {
+                format!("wind is now [{:.1} {:.1} {:.1}] m/s", v[0], v[1], v[2])
+            }
+            Disturbance::Push { force_n: f, duration_s } => {
+                format!("push of [{:.1} {:.1} {:.1}] N for {duration_s:.2} s", f[0], f[1], f[2])
+            }
+            Disturbance::DropPayload => "payload dropped".to_owned(),
+            Disturbance::Effect { name, on } => {
+                format!("{name} switched {}", if *on { "on" } else { "off" })
+            }
+            Disturbance::Failure { failure, on: true } => format!("failure: {}", failure.words()),
+            Disturbance::Failure { failure, .. } => format!("over: {}", failure.words()),
+        }
+    }
 }

@@ -148,6 +148,9 @@ pub struct Forecast {
     pub base: Vec<Coords>,
     /// Regime latent `g'`, `d_k`; empty for predictors that have none.
     pub regime: Vec<f64>,
+    /// Attention over the input channels, sums to one; empty for predictors that have none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub attention: Vec<f64>,
 }
 
 /// Output of the Latent Residual Adapter.

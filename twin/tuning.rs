@@ -69,7 +69,7 @@ pub enum TuningError {
 /// Scalar parameters: name, group, label, unit, help, min, max, step.
 type Row = (&'static str, &'static str, &'static str, &'static str, &'static str, f64, f64, f64);
 
-const SCALARS: [Row; 10] = [
+const SCALARS: [Row; 11] = [
     ("leak", "Robust term", "ν", "1/s", "leak of the adaptive gain σ̂", 0.1, 20.0, 0.05),
     (
         "robust_gain_initial",
@@ -124,6 +124,7 @@ const SCALARS: [Row; 10] = [
         0.999,
         0.001,
     ),
+    ("reset_on", "Adapter", "reset", "", "1: the covariance may be reset, 0: never", 0.0, 1.0, 1.0),
     ("adapter_on", "Adapter", "LRA", "", "1: adapts, 0: base forecast only", 0.0, 1.0, 1.0),
 ];
 
@@ -220,6 +221,7 @@ impl Tuning {
                 "reset_scale" => &mut adapter.reset_scale,
                 "reset_threshold" => &mut adapter.reset_threshold,
                 "innovation_smoothing" => &mut adapter.innovation_smoothing,
+                "reset_on" => return Some(Slot::Switch(&mut adapter.reset_enabled)),
                 "adapter_on" => return Some(Slot::Switch(&mut adapter.enabled)),
                 _ => return None,
             },

@@ -48,7 +48,7 @@ fn a_cube_does_not_slip_while_hovering() {
 fn it_picks_carries_and_places() {
     let (report, ticks) = flown(&scenario("a_300g_slow", &[]));
     assert_eq!(report.verdict, Verdict::Completed, "{}", report.reason);
-    assert!(report.passed, "{:?}", report.broken_bounds);
+    assert!(report.passed, "{:?}", report.broken);
     // The cube began on the box and rests on the table: 60 mm is the verdict's own limit, heights are those of the URDFs.
     let cube =
         |tick: &twin::tick::Tick| tick.truth.as_ref().expect("it is simulated").payload_position;
@@ -74,7 +74,7 @@ fn it_picks_carries_and_places() {
 #[test]
 fn the_demonstration_of_the_reset_resets_after_the_drop_and_not_before() {
     let (report, ticks) = flown(&scenario("reset_demo", &["task.duration_s=14.0"]));
-    assert!(report.passed, "{:?}", report.broken_bounds);
+    assert!(report.passed, "{:?}", report.broken);
     let resets: Vec<f64> =
         ticks.iter().filter(|tick| tick.adapted.reset).map(|tick| tick.measurement.t_s).collect();
     assert!(!resets.is_empty(), "no reset");

@@ -4,20 +4,26 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use twin::model::{Packages, Robot};
-use twin::scenario::Scenario;
+use twin::scenario::{Scenario, json_schema};
 
 use super::{End, Overrides};
 
 #[derive(Args)]
 pub(super) struct CheckArgs {
+    /// Print the JSON Schema of a scenario, for editors.
+    #[arg(long, conflicts_with = "files")]
+    schema: bool,
     /// Scenario (.toml) and vehicle (.urdf) files.
-    #[arg(required = true)]
+    #[arg(required_unless_present = "schema")]
     files: Vec<PathBuf>,
     #[command(flatten)]
     overrides: Overrides,
 }
 
 pub(super) fn run(args: &CheckArgs) -> End {
+    if args.schema {
+        print!("{}", json_schema());
+    }
     let mut end = End::Passed;
     for file in &args.files {
         match check(file, &args.overrides.set) {

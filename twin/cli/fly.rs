@@ -12,6 +12,7 @@ use twin::server::{ServeOptions, serve};
 use super::{End, Overrides, default_scenario};
 
 #[derive(Args, Clone)]
+#[allow(clippy::struct_excessive_bools, reason = "each is a flag of the command line")]
 pub(super) struct FlyArgs {
     /// Scenario file [default: `scenarios/a_300g_slow.toml`].
     scenario: Option<PathBuf>,
@@ -39,15 +40,24 @@ pub(super) struct FlyArgs {
     /// Wait for an operator before the first tick.
     #[arg(long, conflicts_with = "headless")]
     start_paused: bool,
+    /// Folder of the stock viewers [default: where `twin viewers fetch` puts them].
+    #[arg(long, value_name = "DIR", conflicts_with = "headless")]
+    viewer_dir: Option<PathBuf>,
+    /// Fly trained weights that were not accepted in closed loop (`predictor.force`).
+    #[arg(long)]
+    force_weights: bool,
+    /// Serve Foxglove on this port too (8765 is its default); any page in the browser can then watch and set gains.
+    #[arg(long, value_name = "PORT", conflicts_with = "headless")]
+    foxglove_port: Option<u16>,
     #[command(flatten)]
     overrides: Overrides,
 }
 
 /// Simulated seconds per second; `None` is as fast as the machine can.
 #[derive(Clone, Copy)]
-struct Speed(Option<f64>);
+pub(super) struct Speed(pub(super) Option<f64>);
 
-fn parse_speed(text: &str) -> Result<Speed, String> {
+pub(super) fn parse_speed(text: &str) -> Result<Speed, String> {
     if text == "max" {
         return Ok(Speed(None));
     }
@@ -67,6 +77,7 @@ pub(super) fn run(args: &FlyArgs) -> anyhow::Result<End> {
     }
     let mut overrides = args.overrides.set.clone();
     overrides.extend(args.seed.map(|seed| format!("seed={seed}")));
+    overrides.extend(args.force_weights.then(|| "predictor.force=true".to_owned()));
     let scenario = Scenario::load(&file, &overrides)?;
     if args.headless {
         return headless(&scenario, args);
@@ -79,6 +90,8 @@ pub(super) fn run(args: &FlyArgs) -> anyhow::Result<End> {
         speed: args.speed.0,
         start_paused: args.start_paused,
         record: args.record.clone(),
+        viewer_dir: args.viewer_dir.clone().or_else(super::viewers::default_folder),
+        foxglove_port: args.foxglove_port,
     })?;
     Ok(End::Passed)
 }
@@ -150,13 +163,13 @@ fn print_report(report: &Report) {
     let factor = report.real_time_factor.unwrap_or(0.0);
     println!("{} (seed {}): {:?}: {}", report.scenario, report.seed, report.verdict, report.reason);
     println!(
-        "  {:.1} s flown, {factor:.1} x real time, state hash {}",
-        report.flight_s, report.state_hash
+        "  {:.1} s flown, {factor:.1} x real time, state hash {}, kernel {}",
+        report.flight_s, report.state_hash, report.kernel
     );
     for (name, value) in &report.metrics {
         println!("  {name:28} {value:10.4}");
     }
-    for bound in &report.broken_bounds {
-        println!("  BOUND BROKEN: {bound}");
+    for broken in &report.broken {
+        println!("  BROKEN: {broken}");
     }
 }

@@ -1,8 +1,22 @@
 //! Commands and their flags.
 
+mod acceptance;
+#[cfg(feature = "train")]
+mod allocator;
 mod check;
+mod collect;
+mod diff;
 mod evaluate;
+mod export_csv;
+mod export_html;
+mod export_viewers;
 mod fly;
+mod info;
+mod mirror;
+mod test;
+mod test_table;
+mod train;
+mod viewers;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -24,17 +38,57 @@ const EXAMPLES: &str = "Examples:
   twin fly scenarios/b_500g_fast.toml           another scenario, live
   twin fly scenarios/a_300g_slow.toml --headless --json --record flight.mcap
   twin fly scenarios/hover.toml --headless --set gains.preset=paper --set wind.velocity_m_s=[3,0,0]
+  twin collect --out data                       flights to learn from: 0, 200, 400 g, and the 300 g test flight
   twin evaluate tracking --seeds 10             the tracking table beside the paper's
-  twin check scenarios/*.toml urdf/*.urdf       are these files usable?";
+  twin test scenarios --junit out/j.xml         every scenario as a test: bounds, events, verdicts
+  twin diff a.mcap b.mcap                       where two recorded flights part
+  twin export html flight.mcap                  one page of a recorded flight, for any browser
+  twin export viser flight.mcap -o flight.viser the flight for viser; `twin export meshcat` for MeshCat
+  twin mirror flight.mcap --headless --json     a real flight through the loop in shadow
+  twin export csv flight.mcap -o flight.csv     ticks, residuals and predictions as CSV
+  twin info flight.mcap                         what a recording holds, and what is wrong with it
+  twin check scenarios/*.toml urdf/*.urdf       are these files usable?
+  twin train flights/*.mcap                     the residual's model from recorded flights
+  twin viewers fetch                            the stock viewers, for /meshcat/ and /viser";
 
 #[derive(Subcommand)]
 enum Command {
     /// Fly one scenario: live in the browser, or headless to a verdict.
     Fly(fly::FlyArgs),
+    /// Fly and record the flights that a residual is learned from, and the one it is tested on.
+    Collect(collect::CollectArgs),
     /// Tables of the paper, measured on the twin.
     Evaluate(evaluate::EvaluateArgs),
+    /// Fly scenarios as tests, side by side: exit 0 all as expected, 1 some failed, 2 some could not run.
+    Test(test::TestArgs),
+    /// Compare two recordings: the first tick and channel that differ, and the largest differences.
+    Diff(diff::DiffArgs),
+    /// Read a real flight from MCAP and run the loop beside it in shadow: predicting and adapting, never acting.
+    Mirror(mirror::MirrorArgs),
+    /// Say what an MCAP file holds and what is wrong with it.
+    Info(info::InfoArgs),
+    /// A recording in another form.
+    #[command(subcommand)]
+    Export(Export),
     /// Read scenario and URDF files and say whether they are usable.
     Check(check::CheckArgs),
+    /// Learn the residual from recorded flights: the FDT, its ablations and the baselines (feature `train`).
+    Train(train::TrainArgs),
+    /// The stock MeshCat and viser viewers, served at /meshcat/ and /viser.
+    Viewers(viewers::ViewersArgs),
+}
+
+/// Forms a recording can be exported in.
+#[derive(Subcommand)]
+enum Export {
+    /// One page that opens offline: 3-D view, charts, events.
+    Html(export_html::HtmlArgs),
+    /// One page that plays the flight in MeshCat's viewer.
+    Meshcat(export_viewers::MeshcatArgs),
+    /// viser's recording of the flight, or a page with viser's client that plays it.
+    Viser(export_viewers::ViserArgs),
+    /// One line per tick: measurement, residual, predictions, resets.
+    Csv(export_csv::CsvArgs),
 }
 
 /// What every command that reads a scenario takes.
@@ -50,9 +104,11 @@ struct Overrides {
 enum End {
     Passed,
     Failed,
+    Unusable,
 }
 
 pub(crate) fn main() -> ExitCode {
+    end_with_the_reader();
     let cli = Cli::parse();
     tracing_subscriber::fmt()
         .with_writer(std::io::stderr)
@@ -62,17 +118,44 @@ pub(crate) fn main() -> ExitCode {
     let result = match cli.command {
         Some(Command::Fly(args)) => fly::run(&args),
         None => fly::run(&cli.fly),
-        Some(Command::Evaluate(args)) => Ok(evaluate::run(&args)),
+        Some(Command::Collect(args)) => collect::run(&args),
+        Some(Command::Evaluate(args)) => evaluate::run(&args),
+        Some(Command::Test(args)) => test::run_tests(&args),
+        Some(Command::Diff(args)) => diff::run(&args),
+        Some(Command::Mirror(args)) => mirror::run(&args),
+        Some(Command::Info(args)) => info::run(&args),
+        Some(Command::Export(Export::Html(args))) => export_html::run(&args),
+        Some(Command::Export(Export::Meshcat(args))) => export_viewers::meshcat(&args),
+        Some(Command::Export(Export::Viser(args))) => export_viewers::viser(&args),
+        Some(Command::Export(Export::Csv(args))) => export_csv::run(&args),
         Some(Command::Check(args)) => Ok(check::run(&args)),
+        Some(Command::Train(args)) => train::run(&args),
+        Some(Command::Viewers(args)) => viewers::run(&args),
     };
     match result {
         Ok(End::Passed) => ExitCode::SUCCESS,
         Ok(End::Failed) => ExitCode::from(1),
+        Ok(End::Unusable) => ExitCode::from(2),
         Err(error) => {
             eprintln!("error: {error:#}");
             ExitCode::from(2)
         }
     }
+}
+
+/// Whoever reads stdout may stop reading (`twin info FILE | head`): then there is nobody left to talk to, and nothing is wrong.
+/// `println!` panics there and nowhere else; every other panic stays what it is.
+fn end_with_the_reader() {
+    let usual = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |info| {
+        let closed = info.payload_as_str().is_some_and(|text| {
+            text.starts_with("failed printing to stdout") && text.contains("Broken pipe")
+        });
+        if closed {
+            std::process::exit(0);
+        }
+        usual(info);
+    }));
 }
 
 /// The scenario that is flown when none is named.
