@@ -61,7 +61,7 @@ pub fn fly(scenario: &Path, file: &Path, overrides: &[String]) -> Result<Flown, 
     // Relative to where the command runs, not to the scenario.
     let path = std::path::absolute(file).map_err(|error| unusable(file, &error))?;
     let mut all = vec![
-        "predictor.kind=\"fdt\"".to_owned(),
+        "predictor.kind=\"trained\"".to_owned(),
         format!("predictor.weights={:?}", path.display().to_string()),
         "predictor.force=true".to_owned(),
         "gains.adapter_on=0.0".to_owned(),

@@ -10,9 +10,9 @@ use twin::evaluate::fit::{Baseline, fit};
 use twin::evaluate::prediction::rows;
 use twin::evaluate::{PredictionTable, Series, Statistics, prediction_page};
 use twin::residual::HORIZON;
-use twin::residual::weights::Weights;
 use twin::scenario::{Preset, Scenario};
 
+use super::read_weights;
 use crate::cli::End;
 
 #[derive(Args)]
@@ -131,10 +131,7 @@ fn candidates(
         all.extend(trained(&weights, &file, &tuning)?);
     }
     for file in &args.weights {
-        let bytes =
-            std::fs::read(file).with_context(|| format!("{}: cannot be read", file.display()))?;
-        let weights = Weights::from_bytes(&bytes).with_context(|| file.display().to_string())?;
-        all.extend(trained(&weights, file, &tuning)?);
+        all.extend(trained(&read_weights(file)?, file, &tuning)?);
     }
     Ok(all)
 }
