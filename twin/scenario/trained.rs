@@ -89,7 +89,7 @@ fn accepted(head: &Head, name: &str) -> Result<(), BuildError> {
     Err(BuildError::Unfit {
         key: "predictor.weights",
         reason: format!(
-            "{name} is not accepted: {figures}, both must be above {}; measure with `twin evaluate acceptance`, or fly it all the same with --force-weights (predictor.force = true)",
+            "{name} is not accepted: {figures}; needed is above {}; measure with `twin evaluate acceptance`, or fly it all the same with --force-weights (predictor.force = true)",
             crate::residual::weights::Acceptance::LEAST_R2
         ),
     })

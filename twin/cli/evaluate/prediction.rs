@@ -7,7 +7,7 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use twin::evaluate::entrants::{Candidate, trained, unfilled, untrained, untrained_names};
 use twin::evaluate::fit::{Baseline, fit};
-use twin::evaluate::prediction::rows;
+use twin::evaluate::prediction::{rows, spreads};
 use twin::evaluate::{PredictionTable, Series, Statistics, prediction_page};
 use twin::residual::HORIZON;
 use twin::scenario::{Preset, Scenario};
@@ -75,6 +75,7 @@ pub(super) fn run(args: &PredictionArgs) -> anyhow::Result<End> {
         training: training.iter().map(|flight| flight.file.clone()).collect(),
         data_hash,
         statistics,
+        spreads: spreads(&rows),
         rows,
     };
     if let Some(path) = &args.html {
@@ -189,6 +190,17 @@ fn print_table(table: &PredictionTable) {
         let cells: Vec<String> =
             row.replayed.horizons.iter().map(|h| format!("{:7.3}", h.rmse_z)).collect();
         println!("{:26}{}", row.name, cells.concat());
+    }
+    for s in &table.spreads {
+        let pair = |[mean, std]: [f64; 2]| format!("{mean:.3} ± {std:.3}");
+        println!(
+            "{} over {} trainings: RMSE {}, R² {}, RMSE j={HORIZON} {}",
+            s.name,
+            s.trainings,
+            pair(s.rmse_z),
+            pair(s.r2),
+            pair(s.rmse_z_last)
+        );
     }
     println!("\n{}", table.command);
     println!(
