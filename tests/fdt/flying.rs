@@ -6,7 +6,7 @@ use twin::mirror::{Recorder, RecordingEnd, read_recording};
 use twin::notation::{Coords, ROWS};
 use twin::residual::nn::Precision;
 use twin::residual::nn::kernels::Kernel;
-use twin::residual::weights::{Acceptance, FdtConfig, Weights, channel_names};
+use twin::residual::weights::{Acceptance, FdtConfig, SHIPPED, Weights, channel_names};
 use twin::residual::{Fdt, History, Predictor};
 use twin::scenario::{Scenario, acceptance, fly};
 use twin::tick::Tick;
@@ -106,6 +106,35 @@ fn weights_fly_with_the_adapter_and_their_attention_is_recorded_and_replayed() {
     assert!(recording.metadata["predictor"].contains("tau.q2"), "the channels are named");
     assert_eq!(recording.ticks[100].forecast, ticks[100].forecast);
     assert_eq!(ticks[100].forecast.attention.len(), channel_names().len());
+}
+
+#[test]
+fn the_weights_it_ships_are_accepted_and_fly_the_default_mission() {
+    let shipped = Weights::from_bytes(SHIPPED).expect("they are whole");
+    assert!(shipped.head.acceptance.passed(), "{}", shipped.head.acceptance);
+    assert_eq!(FdtConfig::of(&shipped.head).expect("a configuration"), FdtConfig::SMALL);
+    assert!(SHIPPED.len() <= 1_000_000, "{} bytes", SHIPPED.len());
+    let default = scenario("a_300g_slow", &[]);
+    let tick = default.build().expect("it is accepted").tick();
+    assert_eq!(tick.forecast.attention.len(), channel_names().len());
+}
+
+#[test]
+fn the_gate_measures_shipped_weights_as_their_head_says() {
+    let path = file("shipped.safetensors", &Weights::from_bytes(SHIPPED).expect("whole"));
+    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
+    let flown: Vec<_> = ["hover", "gate_figure_eight"]
+        .iter()
+        .map(|name| {
+            let scenario = root.join(format!("scenarios/{name}.toml"));
+            let kernel = ["predictor.kernel=scalar".to_owned()];
+            acceptance::fly(&scenario, &path, &kernel).expect("flown")
+        })
+        .collect();
+    let (r2, _) = acceptance::together(&flown).expect("both are completed");
+    let said = Weights::from_bytes(SHIPPED).expect("whole").head.acceptance.r2.expect("a figure");
+    // Another kernel rounds otherwise, and a flight is not repeated to the bit.
+    assert!(r2 > Acceptance::LEAST_R2 && (r2 - said).abs() < 0.02, "{r2} and {said}");
 }
 
 #[test]

@@ -184,6 +184,22 @@ fn print_table(table: &PredictionTable) {
     for (name, figures) in unfilled(&filled) {
         println!("{name:30} {:>101}   {}", "", paper_cells(figures));
     }
+    print_horizons(table);
+    println!("\n{}", table.command);
+    println!(
+        "recording {} seed {} sha-256 {}",
+        table.recording.display(),
+        table.seed,
+        table.recording_sha256
+    );
+    println!(
+        "statistics of {} recordings in the training folder, hash {}",
+        table.training.len(),
+        table.data_hash
+    );
+}
+
+fn print_horizons(table: &PredictionTable) {
     let heads = (0..=HORIZON).map(|j| format!("    j={j}")).collect::<Vec<_>>();
     println!("\n{:26}{}", "RMSE z by horizon", heads.concat());
     for row in &table.rows {
@@ -202,18 +218,6 @@ fn print_table(table: &PredictionTable) {
             pair(s.rmse_z_last)
         );
     }
-    println!("\n{}", table.command);
-    println!(
-        "recording {} seed {} sha-256 {}",
-        table.recording.display(),
-        table.seed,
-        table.recording_sha256
-    );
-    println!(
-        "statistics of {} recordings in the training folder, hash {}",
-        table.training.len(),
-        table.data_hash
-    );
 }
 
 fn paper_cells([rmse, r2, ms]: [f64; 3]) -> String {
