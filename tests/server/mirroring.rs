@@ -21,6 +21,7 @@ pub(super) fn mirror_with(
     let path = file(name, &flight(form));
     spawn_mirror(MirrorOptions {
         opened: OpenedFlight::open(&path, None).expect("a flight"),
+        live: None,
         host: "127.0.0.1".to_owned(),
         port: 0,
         speed: Some(1.0),
