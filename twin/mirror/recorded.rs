@@ -24,6 +24,9 @@ use crate::tick::{GripperReading, Measurement, Setpoint, Truth};
 /// Longest flight, ticks: ten hours.
 const MOST_TICKS: f64 = 3.6e6;
 
+/// Rows of the arm, the last ones.
+pub(super) const ARM_ROWS: usize = 2;
+
 /// One tick; `None` is unknown.
 #[derive(Clone, Debug, Default)]
 pub struct Instant {
@@ -54,6 +57,8 @@ pub struct RecordedFlight {
     pub nominal_inertia: Option<Coords>,
     /// Where the accelerations of translation and rotation come from.
     pub acceleration: [Derivation; 2],
+    /// Names of the joints in the rows q1 and q2, as far as the recording has any.
+    pub joint_names: Vec<String>,
 }
 
 /// How an acceleration was got.
@@ -136,6 +141,7 @@ pub fn on_ticks(signals: &Signals, facts: &VehicleFacts) -> Result<RecordedFligh
     store(&mut instants, 0, &filtered_times(&force, of_translation.passes()), |i| &mut i.tau);
     store(&mut instants, 3, &filtered_times(&moment, of_rotation.passes()), |i| &mut i.tau);
     let acceleration = [of_translation, of_rotation];
+    let joints = signals.joints.iter().flat_map(|(names, _)| names);
     Ok(RecordedFlight {
         times_s,
         instants,
@@ -144,6 +150,7 @@ pub fn on_ticks(signals: &Signals, facts: &VehicleFacts) -> Result<RecordedFligh
         airborne: found.airborne,
         nominal_inertia: None,
         acceleration,
+        joint_names: joints.take(ARM_ROWS).cloned().collect(),
     })
 }
 
@@ -257,7 +264,7 @@ fn arm(signals: &Signals, times_s: &[f64], instants: &mut [Instant]) {
                 instants: &mut [Instant],
                 of: fn(&mut Instant) -> &mut [Option<f64>; N]| {
         for (instant, value) in instants.iter_mut().zip(values) {
-            for row in 0..names.len().min(2) {
+            for row in 0..names.len().min(ARM_ROWS) {
                 of(instant)[6 + row] = value.map(|v: Vector2<f64>| v[row]);
             }
         }

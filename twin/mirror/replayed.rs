@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use super::effort::Effort;
-use super::recorded::{Derivation, Instant, RecordedFlight};
+use super::recorded::{ARM_ROWS, Derivation, Instant, RecordedFlight};
 use super::recording::{Recording, RecordingError, read_recording};
-use crate::notation::Coords;
+use crate::notation::{Coords, N, ROWS};
 
 /// Reads the recording in `path` as a flight to mirror.
 ///
@@ -31,7 +31,14 @@ pub(super) fn replayed(path: &Path) -> Result<RecordedFlight, RecordingError> {
         airborne: vec![true; recording.ticks.len()],
         acceleration: [Derivation::Recorded; 2],
         nominal_inertia,
+        joint_names: joint_names(&recording),
     })
+}
+
+/// The arm's joints by the names of the URDF; recordings that do not tell them have them by the names of their rows.
+fn joint_names(recording: &Recording) -> Vec<String> {
+    let told = recording.metadata.get("joints").and_then(|names| serde_json::from_str(names).ok());
+    told.unwrap_or_else(|| ROWS[N - ARM_ROWS..].iter().map(|row| (*row).to_owned()).collect())
 }
 
 /// `M_bar` of the gains that the recording says it was flown with, kg and kg m².

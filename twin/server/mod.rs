@@ -174,7 +174,11 @@ pub fn spawn(options: ServeOptions) -> Result<Running, ServerError> {
         host: options.host,
         port: options.port,
         viewer_dir: options.viewer_dir,
-        foxglove: options.foxglove_port.map(|port| Beside { port, vehicles }),
+        foxglove: options.foxglove_port.map(|port| Beside {
+            port,
+            vehicles,
+            recorded_joints: Vec::new(),
+        }),
     };
     let tuning = options.scenario.preset_tuning(Preset::Tuned);
     let orders = Orders {
