@@ -111,10 +111,10 @@ test("four viewers draw one live flight, viser with its two charts, and complain
     const drawn = await charts();
     return drawn.length === 2 && drawn.every(({ from, to, known }) => to - from > 2 && known.every((count) => count > 20));
   }, SOON, "both charts of viser show seconds of flight");
-  await meshcat.page.screenshot({ path: path.join(ROOT, "out", "meshcat.png") });
-  await viser.page.screenshot({ path: path.join(ROOT, "out", "viser.png") });
-  await drake.page.screenshot({ path: path.join(ROOT, "out", "drake.png") });
-  await board.page.screenshot({ path: path.join(ROOT, "out", "console.png") });
+  await meshcat.page.screenshot({ path: path.join(ROOT, "out", "meshcat.png"), timeout: SOON });
+  await viser.page.screenshot({ path: path.join(ROOT, "out", "viser.png"), timeout: SOON });
+  await drake.page.screenshot({ path: path.join(ROOT, "out", "drake.png"), timeout: SOON });
+  await board.page.screenshot({ path: path.join(ROOT, "out", "console.png"), timeout: SOON });
   for (const { faults } of [meshcat, viser, drake]) assert.deepEqual(faults.filter((text) => !NOISE.test(text)), []);
 });
 
