@@ -45,6 +45,7 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 use std::time::Instant;
 
+use axum::serve::ListenerExt as _;
 use tokio::sync::oneshot;
 
 use crate::mirror::RecordingError;
@@ -218,6 +219,12 @@ fn launch(
         started: pace::now(),
     });
     let router = http::router(Arc::clone(&app));
+    // Or a frame waits for the acknowledgement of the one before, which the other side may hold back for 40 ms.
+    let listener = listener.tap_io(|stream| {
+        if let Err(error) = stream.set_nodelay(true) {
+            tracing::debug!("a connection keeps small frames back: {error}");
+        }
+    });
     let (shutdown, asked) = oneshot::channel::<()>();
     runtime.spawn(async move {
         let stopped = async {
