@@ -37,6 +37,9 @@ try {
   const { page: board } = await openConsole(browser, twin.url, CONSOLE);
   const stock = [];
   for (const [title, where, ready] of STOCK) stock.push([title, await open(where, ready)]);
+  // Controls open, and viser's remark that it draws in software read and closed.
+  for (const [, page] of stock) await page.evaluate(() => globalThis.viewer?.gui?.open?.());
+  for (const close of await stock[2][1].locator(".mantine-Notification-closeButton").all()) await close.click();
   // From its start once more, so that every chart and trail has the whole flight.
   await board.keyboard.press("r");
   await until(async () => (await state()).t_s < 5, SOON, "the flight flies anew");
