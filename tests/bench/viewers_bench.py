@@ -4,8 +4,8 @@ Each of the two servers is fed 12 bodies, first 100 times a second and then as o
 in real time and then at `--speed max`. One client reads everything; what it read is taken apart afterwards. A tick's
 latency is how much later it arrived than it was handed over, above that of the fastest tick of the run, because our clock
 starts with the flight. Ours is given twice: since the tick was due, which also counts a flight that lags, and since its
-frame was written. A tick counts as delivered when it arrived; the stock viewers' protocols of this
-server send the newest poses only, at most 60 and 30 times a second, so ours is read as the console reads it, every tick.
+frame was written. A tick counts as delivered when it arrived. The console's protocol carries every tick; those of the stock
+viewers carry the newest poses, which is every tick for a client that takes them as fast as they are flown.
 
 Usage: viewers_bench.py TWIN SCENARIO.toml        (needs: meshcat 0.3.2, viser 1.1.1)
 Reports, asserts nothing. It wants a machine that does nothing else.
@@ -115,6 +115,26 @@ def arrivals_ours(frames, since_due):
                 yield at, tick / RATE_HZ if since_due else written
 
 
+def arrivals_ours_meshcat(frames):
+    import umsgpack
+
+    for at, frame in frames:
+        command = umsgpack.unpackb(frame)
+        if command["type"] == "set_transform" and command["path"] == "/twin/base_link":
+            yield at, at
+
+
+def arrivals_ours_viser(frames):
+    import msgspec
+    import zstandard
+
+    for at, frame in frames:
+        packed = struct.unpack_from("<QQ", frame)[1]
+        inner = msgspec.msgpack.decode(zstandard.ZstdDecompressor().decompress(frame[16 : 16 + packed]))
+        if any(one["type"] == "SetPositionMessage" and one["name"] == "/twin/base_link" for one in inner["messages"]):
+            yield at, inner["timestampSec"]
+
+
 def report(name, arrivals, frames, timed=True):
     arrivals = list(arrivals)
     rate = len(arrivals) / MEASURED_S
@@ -158,21 +178,32 @@ def measure_ours(twin, scenario, speed):
         ends = time.time() + PATIENCE_S
         while time.time() < ends and flight.poll() is None:
             try:
-                frames = read(f"ws://127.0.0.1:{port}/ws")
+                socket.create_connection(("127.0.0.1", port), 1.0).close()
                 break
             except OSError:
                 time.sleep(0.2)
         else:
             sys.exit(f"viewers_bench: {twin} does not fly {scenario}")
-        paced = speed != "max"
-        if paced:
-            report("twin, 100 Hz, since due", arrivals_ours(frames, True), frames)
-            report("twin, 100 Hz, since written", arrivals_ours(frames, False), frames)
-        else:
-            report("twin, --speed max", arrivals_ours(frames, False), frames, False)
+        report_ours(f"ws://127.0.0.1:{port}", speed != "max")
     finally:
         flight.terminate()
         flight.wait()
+
+
+def report_ours(url, paced):
+    how = "100 Hz" if paced else "--speed max"
+    frames = read(f"{url}/ws")
+    if paced:
+        channels, bodies = next(struct.unpack_from("<HH", frame, 10) for _, frame in frames if isinstance(frame, bytes))
+        print(f"twin sends {bodies + 1} poses, the reference among them, and on /ws {channels} channels a tick", flush=True)
+        report(f"twin, /ws, {how}, since due", arrivals_ours(frames, True), frames)
+        report(f"twin, /ws, {how}, since written", arrivals_ours(frames, False), frames)
+    else:
+        report(f"twin, /ws, {how}", arrivals_ours(frames, False), frames, False)
+    frames = read(f"{url}/")
+    report(f"twin, MeshCat's protocol, {how}", arrivals_ours_meshcat(frames), frames, False)
+    frames = read(f"{url}/viser", ["viser-v1.1.1"])
+    report(f"twin, viser's protocol, {how}", arrivals_ours_viser(frames), frames, paced)
 
 
 def main(twin, scenario):

@@ -111,10 +111,10 @@ test("four viewers draw one live flight, viser with its two charts, and complain
     const drawn = await charts();
     return drawn.length === 2 && drawn.every(({ from, to, known }) => to - from > 2 && known.every((count) => count > 20));
   }, SOON, "both charts of viser show seconds of flight");
-  await meshcat.page.screenshot({ path: path.join(ROOT, "out", "meshcat.png") });
-  await viser.page.screenshot({ path: path.join(ROOT, "out", "viser.png") });
-  await drake.page.screenshot({ path: path.join(ROOT, "out", "drake.png") });
-  await board.page.screenshot({ path: path.join(ROOT, "out", "console.png") });
+  await meshcat.page.screenshot({ path: path.join(ROOT, "out", "meshcat.png"), timeout: SOON });
+  await viser.page.screenshot({ path: path.join(ROOT, "out", "viser.png"), timeout: SOON });
+  await drake.page.screenshot({ path: path.join(ROOT, "out", "drake.png"), timeout: SOON });
+  await board.page.screenshot({ path: path.join(ROOT, "out", "console.png"), timeout: SOON });
   for (const { faults } of [meshcat, viser, drake]) assert.deepEqual(faults.filter((text) => !NOISE.test(text)), []);
 });
 
@@ -180,7 +180,7 @@ test("both stock viewers draw the trails, and each hides them for itself alone",
   await both(({ meshcat, viser }) => meshcat.visible && viser.visible, "shown in both");
 });
 
-test("the current MeshCat holds the flight with a key, sets a gain, and shows the real-time rate", LIMIT, async () => {
+test("the current MeshCat holds the flight and moves a gain with keys, sets a gain, and shows the real-time rate", LIMIT, async () => {
   assert.notEqual((await state()).phase, "ended");
   const before = (await state()).phase;
   await drake.page.bringToFront();
@@ -192,6 +192,14 @@ test("the current MeshCat holds the flight with a key, sets a gain, and shows th
   await drake.page.evaluate(() => globalThis.viewer.gui_controllers["slope.y"].setValue(2.5));
   await until(async () => (await gain("slope.y")) === 2.5, SOON, "its slider sets the gain");
   await until(async () => (await inMeshcat("slope.y")) === 2.5, SOON, "the other MeshCat shows it");
+  // A slider's keys move it by its step.
+  const { gains } = await (await fetch(`${twin.url}/api/gains`)).json();
+  const { value, step } = gains.find(({ name }) => name === "reset_threshold");
+  const threshold = (wanted) => until(async () => Math.abs((await gain("reset_threshold")) - wanted) < 1e-9, SOON, `a reset threshold of ${wanted}`);
+  await drake.page.keyboard.press("BracketRight");
+  await threshold(value + step);
+  await drake.page.keyboard.press("BracketLeft");
+  await threshold(value);
   const chart = () => drake.page.evaluate(() => getComputedStyle(document.getElementById("stats-plot")).display);
   assert.equal(await chart(), "block");
 });

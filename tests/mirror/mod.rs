@@ -9,4 +9,4 @@ pub(crate) mod made;
 mod misfits;
 mod program;
 mod real;
-mod round_trip;
+pub(crate) mod round_trip;

@@ -14,7 +14,7 @@ fn hover() -> Scenario {
 }
 
 /// Flies and records; the ticks as they were flown.
-fn record(path: &std::path::Path) -> Vec<Tick> {
+pub(crate) fn record(path: &std::path::Path) -> Vec<Tick> {
     let scenario = hover();
     let tuning = scenario.tuning().expect("gains");
     let info = scenario.recording_info(&tuning).expect("a model");

@@ -1,13 +1,16 @@
 //! Foxglove's timeline over a recording: its range, pause, speed, seeks from either side, the end, and what it refuses.
 
+use foxglove::Decode;
+use foxglove::messages::JointStates;
 use foxglove::ws_protocol::client::{PlaybackCommand, PlaybackControlRequest};
 use foxglove::ws_protocol::server::playback_state::PlaybackStatus;
 use serde_json::{Value, json};
 
 use super::console::Console;
 use super::foxglove_client::Foxglove;
-use super::mirroring::mirror_with;
-use crate::mirror::made::PLAIN;
+use super::mirroring::{mirror_file, mirror_with};
+use crate::mirror::made::{PLAIN, file};
+use crate::mirror::round_trip::record;
 use twin::server::Running;
 
 const S: u64 = 1_000_000_000;
@@ -133,6 +136,27 @@ fn what_a_recording_cannot_do_is_refused_with_a_reason() {
     // Nothing flies here that a URDF describes.
     let why = client.fetch("package://twin/vehicle.urdf", 9).expect_err("no vehicle");
     assert!(why.contains("mirrored"), "{why}");
+}
+
+#[test]
+fn a_recording_tells_the_angles_of_its_joints_by_their_names_and_no_torque() {
+    let path = file("joints.mcap", b"");
+    let flown = record(&path);
+    let running = mirror_file(&path, true, Some(0));
+    let mut client = Foxglove::connect(running.foxglove_address().expect("a port"));
+    client.subscribe("/joint_states", 4);
+    client.ask(&request(PlaybackCommand::Pause, 1.0, Some(2 * S)));
+    let payload = sought(&mut client, 2 * S, 0);
+    let joints = JointStates::decode(&payload[..]).expect("foxglove.JointStates").joints;
+    let names: Vec<&str> = joints.iter().map(|joint| joint.name.as_str()).collect();
+    // As `urdf/aerial_manipulator.urdf` has them.
+    assert_eq!(names, ["joint1", "joint2"]);
+    for (joint, wanted) in joints.iter().zip(&flown[200].measurement.chi.as_slice()[6..]) {
+        // Rows travel as f32.
+        assert_eq!(joint.position, Some(f64::from(*wanted as f32)), "{joint:?}");
+        // Mirroring, nobody asks a torque of them.
+        assert_eq!(joint.effort, None);
+    }
 }
 
 #[test]

@@ -18,9 +18,16 @@ pub(super) fn mirror_with(
     start_paused: bool,
     foxglove_port: Option<u16>,
 ) -> Running {
-    let path = file(name, &flight(form));
+    mirror_file(&file(name, &flight(form)), start_paused, foxglove_port)
+}
+
+pub(super) fn mirror_file(
+    path: &std::path::Path,
+    start_paused: bool,
+    foxglove_port: Option<u16>,
+) -> Running {
     spawn_mirror(MirrorOptions {
-        opened: OpenedFlight::open(&path, None).expect("a flight"),
+        opened: OpenedFlight::open(path, None).expect("a flight"),
         live: None,
         host: "127.0.0.1".to_owned(),
         port: 0,

@@ -137,10 +137,18 @@ pub(crate) fn main() -> ExitCode {
         Ok(End::Failed) => ExitCode::from(1),
         Ok(End::Unusable) => ExitCode::from(2),
         Err(error) => {
-            eprintln!("error: {error:#}");
+            eprintln!("error: {}", sentence(&error));
             ExitCode::from(2)
         }
     }
+}
+
+/// An error with its causes; one that the sentence names already is not said again.
+fn sentence(error: &anyhow::Error) -> String {
+    error.chain().skip(1).fold(error.to_string(), |said, cause| {
+        let cause = cause.to_string();
+        if said.contains(&cause) { said } else { format!("{said}: {cause}") }
+    })
 }
 
 /// Whoever reads stdout may stop reading (`twin info FILE | head`): then there is nobody left to talk to, and nothing is wrong.

@@ -46,6 +46,7 @@ impl Footage for Turning {
             nominal_inertia: None,
             acceleration: [Derivation::Unknown; 2],
             airborne_above: 0.0,
+            joint_names: Vec::new(),
         }
     }
 

@@ -11,7 +11,7 @@ use super::index::Index;
 use super::lossless;
 use super::recorded::{Instant, MOST_TICKS, RecordedFlight};
 use super::recording::{MEASUREMENT_TOPIC, METADATA_END, METADATA_START, TICK_TOPIC};
-use super::replayed::{as_recorded, nominal_inertia};
+use super::replayed::{as_recorded, joint_names, nominal_inertia};
 use super::stretches::{STRETCH_S, STRETCHES};
 use crate::notation::{Coords, TICK_S};
 use crate::tick::{Measurement, Tick};
@@ -26,6 +26,7 @@ pub(super) struct OwnFootage {
     /// Ticks before each chunk, and at the end those of the flight.
     before: Vec<usize>,
     nominal_inertia: Option<Coords>,
+    joint_names: Vec<String>,
     troubles: Mutex<(Vec<String>, BTreeSet<usize>)>,
 }
 
@@ -49,11 +50,14 @@ impl OwnFootage {
             return None;
         }
         let ours = |name: &str| name == METADATA_START || name == METADATA_END;
-        let mut metadata = index.table.metadata.iter().filter(|record| ours(&record.name));
-        let gains = metadata.find_map(|record| record.metadata.get("gains"));
-        let nominal_inertia = gains.and_then(|gains| nominal_inertia(gains));
+        let told = |key: &str| {
+            let mut metadata = index.table.metadata.iter().filter(|record| ours(&record.name));
+            metadata.find_map(|record| record.metadata.get(key)).map(String::as_str)
+        };
+        let nominal_inertia = told("gains").and_then(nominal_inertia);
+        let joint_names = joint_names(told("joints"));
         let troubles = Mutex::default();
-        Some(Self { index, channel, whole_ticks, before, nominal_inertia, troubles })
+        Some(Self { index, channel, whole_ticks, before, nominal_inertia, joint_names, troubles })
     }
 
     /// The container and its problems.
@@ -77,7 +81,7 @@ impl OwnFootage {
     }
 
     fn as_recorded(&self, times_s: Vec<f64>, instants: Vec<Instant>) -> RecordedFlight {
-        as_recorded(times_s, instants, self.nominal_inertia)
+        as_recorded(times_s, instants, self.nominal_inertia, self.joint_names.clone())
     }
 
     fn measurement(&self, data: &[u8]) -> Result<Measurement, serde_json::Error> {

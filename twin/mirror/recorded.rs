@@ -22,6 +22,9 @@ use crate::notation::{
 /// Longest flight, ticks: ten hours.
 pub(super) const MOST_TICKS: f64 = 3.6e6;
 
+/// Rows of the arm, the last ones.
+pub(super) const ARM_ROWS: usize = 2;
+
 /// One tick; `None` is unknown.
 #[derive(Clone, Debug, Default)]
 pub struct Instant {
@@ -54,6 +57,8 @@ pub struct RecordedFlight {
     pub acceleration: [Derivation; 2],
     /// Thrust above which the vehicle is taken to fly, in the thrust's unit.
     pub airborne_above: f64,
+    /// Names of the joints in the rows q1 and q2, as far as the recording has any.
+    pub joint_names: Vec<String>,
 }
 
 /// How an acceleration was got.
@@ -167,6 +172,7 @@ pub(super) fn on_times(
     store(&mut instants, 0, &filtered_times(&force, of_translation.passes()), |i| &mut i.tau);
     store(&mut instants, 3, &filtered_times(&moment, of_rotation.passes()), |i| &mut i.tau);
     let acceleration = [of_translation, of_rotation];
+    let joints = signals.joints.iter().flat_map(|(names, _)| names);
     RecordedFlight {
         times_s,
         instants,
@@ -176,6 +182,7 @@ pub(super) fn on_times(
         nominal_inertia: None,
         acceleration,
         airborne_above: found.threshold,
+        joint_names: joints.take(ARM_ROWS).cloned().collect(),
     }
 }
 
@@ -290,7 +297,7 @@ fn arm(signals: &Signals, times_s: &[f64], instants: &mut [Instant]) {
                 instants: &mut [Instant],
                 of: fn(&mut Instant) -> &mut [Option<f64>; N]| {
         for (instant, value) in instants.iter_mut().zip(values) {
-            for row in 0..names.len().min(2) {
+            for row in 0..names.len().min(ARM_ROWS) {
                 of(instant)[6 + row] = value.map(|v: Vector2<f64>| v[row]);
             }
         }

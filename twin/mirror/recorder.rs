@@ -214,6 +214,7 @@ impl RecordingInfo {
             ("git", option_env!("TWIN_GIT_ID").unwrap_or("unknown").to_owned()),
             ("predictor", self.predictor_json.clone()),
             ("kernel", self.kernel.clone()),
+            ("joints", serde_json::json!(self.joint_names).to_string()),
         ]
         .map(|(key, value)| (key.to_owned(), value))
         .into()

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use super::effort::Effort;
-use super::recorded::{Derivation, Instant, RecordedFlight};
+use super::recorded::{ARM_ROWS, Derivation, Instant, RecordedFlight};
 use super::recording::{Recording, RecordingError, read_recording};
-use crate::notation::Coords;
+use crate::notation::{Coords, N, ROWS};
 use crate::tick::Measurement;
 
 /// Reads the recording in `path` as a flight to mirror.
@@ -19,14 +19,16 @@ pub(super) fn replayed(path: &Path) -> Result<RecordedFlight, RecordingError> {
         measured().map(|m| m.t_s).collect(),
         measured().map(Instant::from).collect(),
         recorded_nominal_inertia(&recording),
+        joint_names(recording.metadata.get("joints").map(String::as_str)),
     ))
 }
 
-/// A flight as it was recorded, under this `M_bar`.
+/// A flight as it was recorded, under this `M_bar` and with these joints.
 pub(super) fn as_recorded(
     times_s: Vec<f64>,
     instants: Vec<Instant>,
     nominal_inertia: Option<Coords>,
+    joint_names: Vec<String>,
 ) -> RecordedFlight {
     RecordedFlight {
         airborne: vec![true; instants.len()],
@@ -37,6 +39,7 @@ pub(super) fn as_recorded(
         acceleration: [Derivation::Recorded; 2],
         airborne_above: 0.0,
         nominal_inertia,
+        joint_names,
     }
 }
 
@@ -50,6 +53,13 @@ impl From<&Measurement> for Instant {
             tau: all(&measurement.tau_applied),
         }
     }
+}
+
+/// The arm's joints by the names of the URDF, as the metadata `joints` tells them; recordings that do not tell them have them by
+/// the names of their rows.
+pub(super) fn joint_names(told: Option<&str>) -> Vec<String> {
+    let told = told.and_then(|names| serde_json::from_str(names).ok());
+    told.unwrap_or_else(|| ROWS[N - ARM_ROWS..].iter().map(|row| (*row).to_owned()).collect())
 }
 
 /// `M_bar` of the gains that the recording says it was flown with, kg and kg m².

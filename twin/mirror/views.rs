@@ -48,22 +48,22 @@ pub(crate) fn transforms_at(
 /// Arm joints with their measured angles and rates and the torque asked of them.
 pub(super) fn joint_states(names: &[String], tick: &Tick) -> JointStates {
     let joints = [0, 1].map(|index| Joint {
-        position_rad: tick.measurement.chi[6 + index],
+        position_rad: Some(tick.measurement.chi[6 + index]),
         velocity_rad_s: Some(tick.measurement.chi_dot[6 + index]),
-        torque_n_m: tick.actuators.joint_torque_n_m[index],
+        torque_n_m: Some(tick.actuators.joint_torque_n_m[index]),
     });
     joint_states_at(names, tick.measurement.t_s, joints)
 }
 
-/// What is told of an arm joint.
+/// What is told of an arm joint; `None` is unknown.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Joint {
     /// Measured angle, rad.
-    pub position_rad: f64,
+    pub position_rad: Option<f64>,
     /// Measured rate, rad/s.
     pub velocity_rad_s: Option<f64>,
     /// Torque asked of it, N m.
-    pub torque_n_m: f64,
+    pub torque_n_m: Option<f64>,
 }
 
 /// Arm joints as they are told.
@@ -73,10 +73,10 @@ pub(crate) fn joint_states_at(names: &[String], t_s: f64, joints: [Joint; 2]) ->
         .zip(joints)
         .map(|(name, joint)| JointState {
             name: name.clone(),
-            position: Some(joint.position_rad),
+            position: joint.position_rad,
             velocity: joint.velocity_rad_s,
             acceleration: None,
-            effort: Some(joint.torque_n_m),
+            effort: joint.torque_n_m,
         })
         .collect();
     JointStates { timestamp: Some(timestamp(t_s)), joints }

@@ -23,6 +23,9 @@ use crate::server::rate::{Admission, Bucket, MESSAGES_PER_S};
 /// Longest message a client may send, bytes.
 pub(super) const LONGEST_MESSAGE: usize = 64 * 1024;
 
+/// Most rows in a frame: a connection keeps the room that its largest frame took.
+const PART_ROWS: usize = 128;
+
 /// A client that takes nothing for this long is gone.
 const SEND_TIMEOUT: Duration = Duration::from_secs(20);
 
@@ -118,9 +121,11 @@ async fn write<D: Dialect>(
         client.wake.notified().await;
         let mut parcel = client.outbox().take();
         let farewell = parcel.farewell.take();
-        for frame in dialect.compose(parcel, &client, app.uptime_s()) {
-            if !send(&mut sink, frame).await {
-                return;
+        for part in parcel.parts(PART_ROWS) {
+            for frame in dialect.compose(part, &client, app.uptime_s()) {
+                if !send(&mut sink, frame).await {
+                    return;
+                }
             }
         }
         if let Some(farewell) = farewell {

@@ -31,6 +31,9 @@ use crate::server::viewers::meshcat::MeshCat;
 use crate::server::viewers::pages;
 use crate::server::{App, assets, metrics, override_file};
 
+/// Room that each connection has for what comes in, bytes: clients say little at a time.
+const READ_BUFFER: usize = 8 * 1024;
+
 /// The page may load and talk to nothing but this server; style attributes are set by the sliders.
 const POLICY: &str = "default-src 'none'; script-src 'self'; worker-src 'self' blob:; style-src 'self' 'unsafe-inline'; \
     img-src 'self' data: blob:; font-src 'self'; connect-src 'self'; base-uri 'none'; form-action 'none'; \
@@ -98,6 +101,7 @@ async fn upgrade(upgrade: WebSocketUpgrade, State(app): State<Arc<App>>) -> Resp
 /// The socket of a client that speaks `dialect`.
 pub(super) fn connect(upgrade: WebSocketUpgrade, app: Arc<App>, dialect: impl Dialect) -> Response {
     upgrade
+        .read_buffer_size(READ_BUFFER)
         .max_message_size(LONGEST_MESSAGE)
         .max_frame_size(LONGEST_MESSAGE)
         .on_upgrade(move |socket| client::serve(socket, app, dialect))

@@ -68,8 +68,12 @@ pub fn spawn_mirror(options: MirrorOptions) -> Result<Running, ServerError> {
         start_paused: options.start_paused,
         logbook: Logbook::new(None),
     };
-    // A recording has no vehicle of ours: what it says of joints is in the charts only.
-    let foxglove = options.foxglove_port.map(|port| Beside { port, vehicles: BTreeMap::new() });
+    // A recording has no vehicle of ours, and so no files of one; of its joints it says the angles.
+    let foxglove = options.foxglove_port.map(|port| Beside {
+        port,
+        vehicles: BTreeMap::new(),
+        recorded_joints: options.opened.recorded.joint_names.clone(),
+    });
     let MirrorOptions { host, port, viewer_dir, .. } = options;
     launch(orders, &tuning, true, Place { host, port, viewer_dir, foxglove })
 }
@@ -102,9 +106,9 @@ impl Mirrored {
         let unknown = ROWS.iter().enumerate().filter(|(row, _)| !known(*row));
         let vehicle = &opened.map.vehicle.name;
         let vehicle = if vehicle.is_empty() { "unknown vehicle" } else { vehicle };
-        let joints = match &opened.signals.joints {
-            Some((names, _)) => format!("its joints {} are in the charts only", names.join(", ")),
-            None => "no joint is in the recording".to_owned(),
+        let joints = match &recorded.joint_names[..] {
+            [] => "no joint is in the recording".to_owned(),
+            names => format!("its joints {} are in the charts only", names.join(", ")),
         };
         let force = opened.force_sentence();
         let info = MirrorInfo {

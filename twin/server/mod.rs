@@ -45,6 +45,7 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 use std::time::Instant;
 
+use axum::serve::ListenerExt as _;
 use tokio::sync::oneshot;
 
 use crate::mirror::RecordingError;
@@ -174,7 +175,11 @@ pub fn spawn(options: ServeOptions) -> Result<Running, ServerError> {
         host: options.host,
         port: options.port,
         viewer_dir: options.viewer_dir,
-        foxglove: options.foxglove_port.map(|port| Beside { port, vehicles }),
+        foxglove: options.foxglove_port.map(|port| Beside {
+            port,
+            vehicles,
+            recorded_joints: Vec::new(),
+        }),
     };
     let tuning = options.scenario.preset_tuning(Preset::Tuned);
     let orders = Orders {
@@ -214,6 +219,12 @@ fn launch(
         started: pace::now(),
     });
     let router = http::router(Arc::clone(&app));
+    // Or a frame waits for the acknowledgement of the one before, which the other side may hold back for 40 ms.
+    let listener = listener.tap_io(|stream| {
+        if let Err(error) = stream.set_nodelay(true) {
+            tracing::debug!("a connection keeps small frames back: {error}");
+        }
+    });
     let (shutdown, asked) = oneshot::channel::<()>();
     runtime.spawn(async move {
         let stopped = async {

@@ -105,6 +105,25 @@ pub(super) struct Parcel {
     pub farewell: Option<Farewell>,
 }
 
+impl Parcel {
+    /// The same in parts of at most `most` rows, messages in the first; each has the newest picture.
+    pub(super) fn parts(self, most: usize) -> impl Iterator<Item = Self> {
+        let mut messages = Some(self.messages);
+        let mut rest = self.telemetry;
+        std::iter::from_fn(move || {
+            let telemetry = rest.take().map(|mut part| {
+                if part.rows.len() > most {
+                    rest = Some(part.split_off(most));
+                }
+                part
+            });
+            let due = messages.is_some() || telemetry.is_some();
+            let messages = messages.take().unwrap_or_default();
+            due.then_some(Self { messages, telemetry, farewell: None })
+        })
+    }
+}
+
 impl Outbox {
     /// Puts a tick in; the oldest row goes if the ring is full.
     pub(super) fn push_tick(&mut self, tick: u64, row: Arc<[f32]>, picture: Arc<Picture>) {
@@ -274,6 +293,30 @@ mod tests {
         // From now on it is a client like any other.
         push(&mut outbox, 0..MOST_ROWS as u64 + 1);
         assert_eq!(outbox.take().telemetry.unwrap().gap, 1);
+    }
+
+    #[test]
+    fn parts_have_every_row_once_and_messages_gap_and_reset_come_with_the_first() {
+        let mut outbox = Outbox::default();
+        outbox.begin(7, true);
+        assert!(outbox.push_message(pong(1.0)));
+        push(&mut outbox, 0..MOST_ROWS as u64 + 3);
+        let parts: Vec<Parcel> = outbox.take().parts(200).collect();
+        let rows: Vec<Telemetry> = parts.iter().filter_map(|part| part.telemetry.clone()).collect();
+        assert_eq!(
+            rows.iter().flat_map(ticks_of).collect::<Vec<_>>(),
+            (3..515).collect::<Vec<_>>()
+        );
+        let heads: Vec<_> = rows
+            .iter()
+            .map(|t| (t.schema_id, t.first_tick, t.rows.len(), t.gap, t.reset))
+            .collect();
+        assert_eq!(heads, [(7, 3, 200, 3, true), (7, 203, 200, 0, false), (7, 403, 112, 0, false)]);
+        let messages: Vec<usize> = parts.iter().map(|part| part.messages.len()).collect();
+        assert_eq!(messages, [1, 0, 0]);
+        // Without rows there is one part, that says what is to be said.
+        assert!(outbox.push_message(pong(2.0)));
+        assert_eq!(outbox.take().parts(200).count(), 1);
     }
 
     #[test]

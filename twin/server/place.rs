@@ -33,6 +33,8 @@ pub(super) struct Beside {
     pub port: u16,
     /// The vehicle of each scenario, by the scenario's name.
     pub vehicles: BTreeMap<String, VehicleFiles>,
+    /// Names of the joints of a mirrored recording.
+    pub recorded_joints: Vec<String>,
 }
 
 /// The address of a host.

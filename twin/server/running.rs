@@ -54,14 +54,10 @@ impl Running {
     ///
     /// # Errors
     /// [`ServerError::Foxglove`] if it cannot start.
-    pub(super) fn open_beside(
-        &mut self,
-        Beside { port, vehicles }: Beside,
-        app: Arc<App>,
-    ) -> Result<(), ServerError> {
+    pub(super) fn open_beside(&mut self, beside: Beside, app: Arc<App>) -> Result<(), ServerError> {
         if let Some(runtime) = &self.runtime {
-            let host = self.address.ip();
-            let started = runtime.block_on(foxglove::start(host, port, app, vehicles));
+            let (host, port) = (self.address.ip(), beside.port);
+            let started = runtime.block_on(foxglove::start(host, beside, app));
             self.foxglove = Some(started.map_err(|why| ServerError::Foxglove { port, why })?);
         }
         Ok(())

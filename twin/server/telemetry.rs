@@ -90,6 +90,18 @@ impl Picture {
 }
 
 impl Telemetry {
+    /// Keeps the first `rows` rows and returns the others, which follow them without a gap.
+    pub(super) fn split_off(&mut self, rows: usize) -> Self {
+        Self {
+            first_tick: self.first_tick + rows as u64,
+            rows: self.rows.split_off(rows),
+            gap: 0,
+            reset: false,
+            schema_id: self.schema_id,
+            picture: Arc::clone(&self.picture),
+        }
+    }
+
     /// The bytes on the wire; `t_wall_s` is the time since the server started.
     pub fn encode(&self, t_wall_s: f64) -> Vec<u8> {
         let channels = self.rows.first().map_or(0, |row| row.len());

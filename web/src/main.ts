@@ -3,6 +3,7 @@ import { handReading } from "./panels/handReading";
 import { Store } from "./data/store";
 import { installHooks } from "./hooks";
 import { clockMs, Link } from "./link/link";
+import { Beat } from "./panels/beat";
 import { cameraButtons } from "./panels/cameraButtons";
 import { commands } from "./panels/commands";
 import { byId, setText } from "./panels/dom";
@@ -19,7 +20,8 @@ import { preferProcessorCanvas } from "./plots/software";
 import { PROTOCOL_VERSION, type ServerMessage } from "./protocol";
 import { World } from "./scene/world";
 
-const READINGS_EVERY_MS = 100;
+/** How often it is asked whether data are old, ms. */
+const AGE_EVERY_MS = 100;
 
 const store = new Store();
 const link = new Link({ message, telemetry, unreadable: (text) => notify("error", text), connection });
@@ -52,7 +54,9 @@ const { gains } = bench;
 startKeys(commands);
 installHooks(store, link, gains, charts, () => world);
 let retryAt = 0;
-let readingsAt = 0;
+let ageAt = 0;
+const texts = new Beat();
+let stale = false;
 /** The reading before found nothing new. */
 let suspect = false;
 const address = new URL("/ws", location.href);
@@ -133,26 +137,33 @@ function frame(now: number): void {
   world?.render(performance.now());
   sceneView?.frame(now);
   charts.frame(now);
-  if (now - readingsAt >= READINGS_EVERY_MS) {
-    readingsAt = now;
-    readings();
+  if (now - ageAt >= AGE_EVERY_MS) {
+    ageAt = now;
+    age();
   }
+  if (texts.due(now)) readings();
   requestAnimationFrame(frame);
 }
 
 /**
- * Link health: stale data is greyed, and the banner says why. Two readings in a row have to find it stale: after a page
- * that was busy for long, what came meanwhile is taken in between them.
+ * Stale data is greyed. It has to be found stale twice in a row: after a page that was busy for long, what came meanwhile is
+ * taken in between.
  */
-function readings(): void {
-  const flying = store.state?.phase === "flying";
-  const old = link.health.stale(clockMs(), flying);
-  const stale = old && (suspect || !link.health.connected);
+function age(): void {
+  const old = link.health.stale(clockMs(), store.state?.phase === "flying");
+  const found = old && (suspect || !link.health.connected);
   suspect = old;
+  if (found === stale && document.body.dataset["stale"] !== undefined) return;
+  stale = found;
   document.body.dataset["stale"] = String(stale);
+  world?.age(stale);
+  readings();
+}
+
+/** Texts that change all the time, and the banner that says why data are stale. */
+function readings(): void {
   bar.readings(stale);
   mirror.readings();
-  world?.age(stale);
   log.markGone(store.history.first);
   bench.readings(stale);
   setText(byId("hand-reading"), handReading(store));

@@ -11,7 +11,6 @@ mod parameters;
 mod playback;
 mod topics;
 
-use std::collections::BTreeMap;
 use std::net::{IpAddr, SocketAddr};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -24,7 +23,6 @@ use foxglove::websocket::{
 use foxglove::{Context, WebSocketServer, WebSocketServerHandle};
 use tokio::task::JoinHandle;
 
-use crate::scenario::VehicleFiles;
 use crate::server::App;
 use crate::server::foxglove::assets::Assets;
 use crate::server::foxglove::parameters::{Gains, parameters};
@@ -32,6 +30,7 @@ use crate::server::foxglove::playback::{Film, Playback};
 use crate::server::foxglove::topics::{Topics, nanoseconds};
 use crate::server::hub::Client;
 use crate::server::outbox::{Message, Parcel};
+use crate::server::place::Beside;
 use crate::server::protocol::ServerMessage;
 use crate::server::telemetry::Telemetry;
 
@@ -69,16 +68,14 @@ impl ServerListener for Listener {
     }
 }
 
-/// Listens on `port`, 0 for any free one, and returns where, with the task that ends when the hub closes everything;
-/// `vehicles` has the files of each scenario's vehicle.
+/// Listens on the port of `beside` and returns where, with the task that ends when the hub closes everything.
 ///
 /// # Errors
 /// A sentence if it cannot listen, or if there is no room for another client.
 pub(super) async fn start(
     host: IpAddr,
-    port: u16,
+    Beside { port, vehicles, recorded_joints }: Beside,
     app: Arc<App>,
-    vehicles: BTreeMap<String, VehicleFiles>,
 ) -> Result<(SocketAddr, JoinHandle<()>), String> {
     let bridge = app.hub.join().ok_or("too many clients")?;
     let playback = Playback::new(&app, &bridge).map(Arc::new);
@@ -109,7 +106,8 @@ pub(super) async fn start(
     })?;
     let address = SocketAddr::new(host, server.port());
     let film = playback.map(Film::new);
-    let publisher = Publisher { server, topics: Topics::new(&context, vehicles), film };
+    let topics = Topics::new(&context, vehicles, recorded_joints);
+    let publisher = Publisher { server, topics, film };
     Ok((address, tokio::spawn(publisher.run(listener, app))))
 }
 

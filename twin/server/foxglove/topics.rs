@@ -37,6 +37,8 @@ pub(super) struct Topics {
     log: Channel<Log>,
     rows: Option<Rows>,
     vehicles: Arc<BTreeMap<String, VehicleFiles>>,
+    /// Names of the joints where no vehicle of ours flies: those of a recording.
+    recorded_joints: Vec<String>,
     flight: Option<Arc<Published>>,
     newest: Option<Arc<Picture>>,
 }
@@ -54,6 +56,7 @@ impl Topics {
     pub(super) fn new(
         context: &Arc<Context>,
         vehicles: Arc<BTreeMap<String, VehicleFiles>>,
+        recorded_joints: Vec<String>,
     ) -> Self {
         Self {
             context: Arc::clone(context),
@@ -63,6 +66,7 @@ impl Topics {
             log: ChannelBuilder::new("/log").context(context).build(),
             rows: None,
             vehicles,
+            recorded_joints,
             flight: None,
             newest: None,
         }
@@ -145,23 +149,26 @@ impl Topics {
             let object = nested(&rows.channels, t_s, row).to_string();
             rows.channel.log_with_meta(object.as_bytes(), at(t_s));
         }
-        let vehicle = self
-            .flight
-            .as_ref()
-            .and_then(|flight| self.vehicles.get(&flight.state.scenario))
-            .filter(|_| self.joints.has_sinks());
-        if let Some(vehicle) = vehicle {
-            let value = |place: Option<usize>| {
-                place.and_then(|place| row.get(place)).map_or(f64::NAN, |value| f64::from(*value))
+        let names = self.joint_names();
+        if !names.is_empty() && self.joints.has_sinks() {
+            let known = |place: Option<usize>| {
+                let value = f64::from(*row.get(place?)?);
+                value.is_finite().then_some(value)
             };
             let joints = rows.joints.map(|[angle, torque]| Joint {
-                position_rad: value(angle),
+                position_rad: known(angle),
                 velocity_rad_s: None,
-                torque_n_m: value(torque),
+                torque_n_m: known(torque),
             });
-            self.joints
-                .log_with_meta(&views::joint_states_at(&vehicle.joints, t_s, joints), at(t_s));
+            self.joints.log_with_meta(&views::joint_states_at(names, t_s, joints), at(t_s));
         }
+    }
+
+    /// Joints of the vehicle that flies, or of the recording.
+    fn joint_names(&self) -> &[String] {
+        let scenario = self.flight.as_ref().map(|flight| &flight.state.scenario);
+        let vehicle = scenario.and_then(|scenario| self.vehicles.get(scenario));
+        vehicle.map_or(&self.recorded_joints, |vehicle| &vehicle.joints)
     }
 }
 

@@ -68,6 +68,16 @@ impl Button {
     }
 }
 
+/// The keys that move the slider of a gain down and up by a step, as browsers name keys: of what is turned while one watches
+/// the adapter, its reset threshold and its forgetting factor.
+pub(super) fn slider_keys(gain: &str) -> Option<[&'static str; 2]> {
+    match gain {
+        "reset_threshold" => Some(["BracketLeft", "BracketRight"]),
+        "forgetting" => Some(["Minus", "Equal"]),
+        _ => None,
+    }
+}
+
 #[derive(Clone, Copy, Debug)]
 struct Slider {
     in_force: f64,

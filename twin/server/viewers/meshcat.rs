@@ -51,7 +51,7 @@ struct State {
 }
 
 impl Dialect for MeshCat {
-    const GAP: Duration = Duration::from_millis(16);
+    const GAP: Duration = Duration::from_millis(5);
     const ONE_IN_FLIGHT: bool = true;
 
     fn compose(&self, parcel: Parcel, _: &Client, now_s: f64) -> Vec<Frame> {

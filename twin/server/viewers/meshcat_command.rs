@@ -3,6 +3,7 @@
 use rmpv::Value;
 
 use crate::server::protocol::GainInfo;
+use crate::server::viewers::controls::slider_keys;
 use crate::server::viewers::pack::map;
 
 /// Removes a path with all below it.
@@ -22,12 +23,21 @@ pub(super) fn button(name: &str, key: Option<&str>) -> Value {
 }
 
 fn push_button(name: &str, callback: String, key: Option<&str>) -> Value {
-    let mut fields = vec![
+    let fields = vec![
         (Value::from("type"), Value::from("set_control")),
         ("name".into(), name.into()),
         ("callback".into(), callback.into()),
     ];
-    fields.extend(key.map(|key| ("keycode1".into(), key.into())));
+    with_keys(fields, key)
+}
+
+/// A control with its keys, as browsers name them: a button's one, or a slider's for less and for more.
+fn with_keys<'a>(
+    mut fields: Vec<(Value, Value)>,
+    keys: impl IntoIterator<Item = &'a str>,
+) -> Value {
+    let named = ["keycode1", "keycode2"].into_iter().zip(keys);
+    fields.extend(named.map(|(field, key)| (field.into(), key.into())));
     Value::Map(fields)
 }
 
@@ -41,24 +51,24 @@ pub(super) fn realtime_rate(rate: f64) -> Value {
     map! { "type" => "realtime_rate", "rate" => rate }
 }
 
-/// A slider that sends its name and its value.
+/// A slider that sends its name and its value, also when one of its two keys is pressed.
 pub(super) fn slider(gain: &GainInfo) -> Value {
     let name = serde_json::json!(gain.name);
     let event = format!("{{type: \"slider\", name: {name}, value: value}}");
     let callback = format!("(value) => this.connection.send(msgpack.encode({event}))");
-    scale(&gain.name, callback, [gain.value, gain.min, gain.max, gain.step])
+    let numbers = [gain.value, gain.min, gain.max, gain.step];
+    scale(&gain.name, callback, numbers, slider_keys(&gain.name))
 }
 
-fn scale(name: &str, callback: String, [value, min, max, step]: [f64; 4]) -> Value {
-    map! {
-        "type" => "set_control",
-        "name" => name,
-        "callback" => callback,
-        "value" => value,
-        "min" => min,
-        "max" => max,
-        "step" => step,
-    }
+fn scale(name: &str, callback: String, numbers: [f64; 4], keys: Option<[&str; 2]>) -> Value {
+    let mut fields: Vec<(Value, Value)> = vec![
+        ("type".into(), "set_control".into()),
+        ("name".into(), name.into()),
+        ("callback".into(), callback.into()),
+    ];
+    let named = ["value", "min", "max", "step"].into_iter().zip(numbers);
+    fields.extend(named.map(|(field, number)| (field.into(), number.into())));
+    with_keys(fields, keys.into_iter().flatten())
 }
 
 /// Moves a slider without telling us about it.
@@ -96,7 +106,7 @@ mod tests {
                 set_property("/Background", "top_color", numbers([0.1, 0.1, 0.1])),
             ),
             ("set_control_button", push_button("reset", push.to_owned(), None)),
-            ("set_control_slider", scale("kp", slide.to_owned(), [1.0, 0.0, 10.0, 0.1])),
+            ("set_control_slider", scale("kp", slide.to_owned(), [1.0, 0.0, 10.0, 0.1], None)),
             ("set_control_value", set_control_value("kp", 2.5)),
         ] {
             let Some(wanted) = reference(name) else { continue };
@@ -113,10 +123,13 @@ mod tests {
         };
         let captured: serde_json::Value = serde_json::from_str(&text).expect("JSON");
         let callback = "\n() => this.connection.send(msgpack.encode({\n  'type': 'button',\n  'name': 'reset'\n}))";
+        let slide = "\n(value) => this.connection.send(msgpack.encode({\n  'type': 'slider',\n  'name': 'kp',\n  'value': value\n}))";
+        let arrows = Some(["ArrowLeft", "ArrowRight"]);
         for (call, command) in [
             ("on_connect", show_realtime_rate()),
             ("set_realtime_rate", realtime_rate(0.97)),
             ("add_button", push_button("reset", callback.to_owned(), Some("KeyR"))),
+            ("add_slider", scale("kp", slide.to_owned(), [1.0, 0.0, 10.0, 0.1], arrows)),
         ] {
             let sent = captured.as_array().expect("a list").iter();
             let wanted: Vec<&str> = sent

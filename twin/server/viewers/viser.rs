@@ -60,7 +60,7 @@ struct State {
 }
 
 impl Dialect for Viser {
-    const GAP: Duration = Duration::from_millis(33);
+    const GAP: Duration = Duration::from_millis(5);
     const ONE_IN_FLIGHT: bool = true;
 
     fn compose(&self, parcel: Parcel, _: &Client, now_s: f64) -> Vec<Frame> {

@@ -2,6 +2,7 @@
 import type { Store } from "../data/store";
 import { MOST_PUSH_N } from "../scene/push";
 import type { World } from "../scene/world";
+import { Beat } from "./beat";
 import { BodyCard } from "./bodyCard";
 import { commands } from "./commands";
 import { byId, setText } from "./dom";
@@ -10,8 +11,6 @@ import { ARROW_KINDS, FRAME_KINDS, type KindInfo, MARK_KINDS } from "./viewKinds
 import { ViewPopover } from "./viewPopover";
 import { WindBadge } from "./windBadge";
 
-/** Numbers that change faster cannot be read, ms. */
-const READINGS_EVERY_MS = 200;
 const GROUP = "3-D view";
 
 export class SceneView {
@@ -20,7 +19,7 @@ export class SceneView {
   private readonly card: BodyCard;
   private readonly wind: WindBadge;
   private readonly pushText = byId("push-text");
-  private readAt = -Infinity;
+  private readonly texts = new Beat();
 
   constructor(
     private readonly world: World,
@@ -47,12 +46,10 @@ export class SceneView {
     this.card.readings();
   }
 
-  /** Once per drawing; texts change at most five times a second. */
+  /** Once per drawing. */
   frame(now: number): void {
     this.showPush();
-    if (now - this.readAt < READINGS_EVERY_MS) return;
-    this.readAt = now;
-    this.readings();
+    if (this.texts.due(now)) this.readings();
   }
 
   private readings(): void {

@@ -10,13 +10,12 @@ import { drawBehind, drawLimits, drawMarks, drawUnknown } from "./marks";
 import { chartOptions, colorOf, plotSize } from "./options";
 import type { Panel, Picture, SeriesReading } from "./panel";
 import { boundsOf, type Bounds, decadeRange, formatValue, linearRange } from "./range";
+import { showing } from "./software";
 import type { ChartSpec, SeriesSpec } from "./spec";
 import type { Span } from "./view";
 
 /** Words for those who do not see the chart change this seldom, ms. */
 const SPEAK_EVERY_MS = 2000;
-/** Nobody reads a number that changes more often; at a cursor it follows at once, ms. */
-const WRITE_EVERY_MS = 250;
 
 export class Chart implements Panel {
   readonly root: HTMLElement;
@@ -35,7 +34,6 @@ export class Chart implements Panel {
   private frame: Frame | null = null;
   private traces: Trace[] = [];
   private spokenAt = -Infinity;
-  private writtenAt = -Infinity;
   private zscore = false;
   /** A forecast came in since the chart was made; a forecaster that looks no further never gives one. */
   private foresees = false;
@@ -61,7 +59,8 @@ export class Chart implements Panel {
       drawBehind: (plot: uPlot) => this.frame !== null && drawBehind(plot, this.frame, colors, spec.resetIcon === true),
       drawOver: (plot: uPlot) => this.drawOver(plot),
     };
-    this.plot = new uPlot(chartOptions(spec, this.series, colors, lineWidth, source), [[], ...this.series.map(() => [])], plotRoot);
+    const options = chartOptions(spec, this.series, colors, lineWidth, source);
+    this.plot = showing(() => new uPlot(options, [[], ...this.series.map(() => [])], plotRoot));
     this.sizes = new ResizeObserver(() => this.plot.setSize({ width: plotRoot.clientWidth, height: plotRoot.clientHeight }));
     this.sizes.observe(plotRoot);
   }
@@ -88,16 +87,17 @@ export class Chart implements Panel {
     this.plot.setData([this.x, ...this.values] as uPlot.AlignedData);
   }
 
-  /** Puts the cursor at `time` (null: none) and shows the values there, the newest without one. */
-  point(time: number | null, now: number): void {
+  /** Puts the cursor at `time`; null: none. */
+  point(time: number | null): void {
     if (this.frame === null) return;
     const [from, to] = this.frame.span;
     const left = time === null || time < from || time > to ? -10 : ((time - from) / (to - from)) * plotSize(this.plot)[0];
     this.plot.setCursor({ left, top: left < 0 ? -10 : 1 }, false);
-    if (time !== null || now - this.writtenAt >= WRITE_EVERY_MS) {
-      this.writtenAt = time === null ? now : -Infinity;
-      this.outputs.forEach((output, k) => setText(output, formatValue(this.valueAt(k, time))));
-    }
+  }
+
+  /** Shows the values at `time`, the newest for null. */
+  write(time: number | null, now: number): void {
+    this.outputs.forEach((output, k) => setText(output, formatValue(this.valueAt(k, time))));
     if (now - this.spokenAt < SPEAK_EVERY_MS) return;
     this.spokenAt = now;
     this.root.ariaLabel = this.sentence(time);

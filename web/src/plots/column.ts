@@ -1,6 +1,7 @@
 // The column of charts on one clock, drawn in rounds within a budget: at most ten rounds a second, few charts per frame,
 // and all charts of a round from the same frame of data.
 import type { Store } from "../data/store";
+import { Beat } from "../panels/beat";
 import { byId, option, radioGroup, setText } from "../panels/dom";
 import { notify } from "../panels/notices";
 import type { EventInfo } from "../protocol";
@@ -52,6 +53,7 @@ export class ChartColumn {
   private expired = true;
   private cursor: number | null = null;
   private speech = 0;
+  private readonly texts = new Beat();
   private spectrum = false;
   /** File that is mirrored; null for a simulated flight. */
   private recording: string | null = null;
@@ -136,8 +138,11 @@ export class ChartColumn {
     }
     const frame = this.current;
     if (frame === null) return;
-    for (const panel of due.slice(0, this.budget(now, touched))) this.draw(panel, frame, now);
+    for (const panel of due.slice(0, this.budget(now, touched))) this.draw(panel, frame);
     this.point(frame, now);
+    const beat = this.texts.due(now);
+    if (beat) this.write(frame, now);
+    if (beat || touched) this.foot.show(Math.max(0, this.store.timeOf(this.store.lastTick)));
     this.frameAt = now;
   }
 
@@ -193,21 +198,27 @@ export class ChartColumn {
     this.cursor = NaN;
   }
 
-  private draw(panel: Panel, frame: Frame, now: number): void {
+  private draw(panel: Panel, frame: Frame): void {
     panel.refresh(frame);
     panel.round = this.round;
-    panel.point(this.view.cursor(frame.span), now);
+    panel.point(this.view.cursor(frame.span));
   }
 
-  /** Puts the cursor of every chart to the shared one, and its values beside it. */
+  /** Puts the cursor of every chart to the shared one, with the values there. */
   private point(frame: Frame, now: number): void {
-    this.foot.show(Math.max(0, this.store.timeOf(this.store.lastTick)));
     const time = this.view.cursor(frame.span);
     if (Object.is(time, this.cursor)) return;
     this.cursor = time;
-    this.panels.list.filter(({ visible }) => visible).forEach((panel) => panel.point(time, now));
+    this.panels.list.filter(({ visible }) => visible).forEach((panel) => panel.point(time));
+    if (time !== null) this.write(frame, now);
     this.timeline.point(time);
     this.onCursor(time === null ? null : this.store.tickAt(time));
+  }
+
+  /** The values at the cursor, the newest without one. */
+  private write(frame: Frame, now: number): void {
+    const time = this.view.cursor(frame.span);
+    this.panels.list.filter(({ visible }) => visible).forEach((panel) => panel.write(time, now));
   }
 
   private plotWidth(): number {
@@ -306,7 +317,8 @@ export class ChartColumn {
     this.begin(now);
     const frame = this.current;
     if (frame === null) return;
-    this.panels.list.forEach((panel) => this.draw(panel, frame, now));
+    this.panels.list.forEach((panel) => this.draw(panel, frame));
+    this.panels.list.forEach((panel) => panel.write(this.view.cursor(frame.span), now));
     // uPlot draws when the current task is done.
     setTimeout(() => savePng(this.store, frame, this.panels.list, this.timeline.picture(), this.colors), 0);
   }

@@ -30,7 +30,10 @@ export interface Panel {
   /** Round it was drawn in last. */
   round: number;
   refresh(frame: Frame): void;
-  point(time: number | null, now: number): void;
+  /** Puts the cursor at `time`; null: none. */
+  point(time: number | null): void;
+  /** Writes the values at `time` into the heading, the newest for null. */
+  write(time: number | null, now: number): void;
   select(part: [number, number] | null): void;
   /** What is drawn, and the values at `time`, the newest for null. */
   readings(time: number | null): SeriesReading[];

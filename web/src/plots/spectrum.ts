@@ -7,6 +7,7 @@ import type { Frame } from "./frame";
 import { AXIS_WIDTH_PX, RIGHT_PX } from "./options";
 import type { Panel, Picture, SeriesReading } from "./panel";
 import { type Bounds, decadeRange, formatValue } from "./range";
+import { penOf } from "./software";
 import type { ChartSpec } from "./spec";
 
 const FOOT_PX = 4;
@@ -47,7 +48,9 @@ export class SpectrumBars implements Panel {
     this.draw(values);
   }
 
-  point(): void {
+  point(): void {}
+
+  write(): void {
     const values = this.values();
     setText(this.largest, formatValue(values[0]));
     setText(this.smallest, formatValue(values[values.length - 1]));
@@ -84,7 +87,7 @@ export class SpectrumBars implements Panel {
     const ratio = devicePixelRatio;
     const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
     if (this.canvas.width !== w || this.canvas.height !== h) Object.assign(this.canvas, { width: w, height: h });
-    const pen = this.canvas.getContext("2d");
+    const pen = penOf(this.canvas);
     if (pen === null) return;
     pen.setTransform(ratio, 0, 0, ratio, 0, 0);
     pen.clearRect(0, 0, width, height);

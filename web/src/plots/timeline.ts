@@ -6,6 +6,7 @@ import type { ChartColors } from "./colors";
 import type { Frame } from "./frame";
 import { markColor } from "./marks";
 import { AXIS_WIDTH_PX, CLOCK_APART_PX, RIGHT_PX } from "./options";
+import { penOf } from "./software";
 
 const GLYPH_ROW_PX = 17;
 const GLYPHS_APART_PX = 14;
@@ -78,7 +79,7 @@ export class Timeline {
       Object.assign(this.canvas, { width: w, height: h });
       Object.assign(this.canvas.style, { width: `${width}px`, height: `${height}px` });
     }
-    const pen = this.canvas.getContext("2d");
+    const pen = penOf(this.canvas);
     if (pen === null || this.frame === null) return;
     pen.setTransform(ratio, 0, 0, ratio, 0, 0);
     pen.clearRect(0, 0, width, height);

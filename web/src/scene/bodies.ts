@@ -3,7 +3,7 @@
 import { Box3, Color, Group, type Mesh, MeshLambertMaterial, Vector3 } from "three";
 import type { Scene, SceneGroup } from "../protocol";
 import { MARKS_LAYER } from "./layers";
-import { glass, rim, Rotors } from "./rotors";
+import { glass, rims, Rotors } from "./rotors";
 import { dispose, meshesOf, place } from "./shapes";
 
 export const POSE_FLOATS = 7;
@@ -55,7 +55,7 @@ export class Bodies {
     this.ghostMaterial = new MeshLambertMaterial({ color: new Color(ghostColor), opacity: GHOST_ALPHA, transparent: true, depthWrite: false });
     this.buildGhost(scene, ghostColor);
     this.rotors = new Rotors(scene.rotors, discColor);
-    this.base?.object.add(this.rotors.root);
+    this.rotors.meshes.forEach((mesh) => this.base?.object.add(mesh));
     this.root.add(this.ghost);
   }
 
@@ -111,8 +111,7 @@ export class Bodies {
       copy.material = this.ghostMaterial;
       this.ghost.add(copy);
     }
-    const material = glass(color, GHOST_ALPHA);
-    scene.rotors.forEach((rotor) => this.ghost.add(rim(rotor, material)));
+    rims(scene.rotors, glass(color, GHOST_ALPHA)).forEach((mesh) => this.ghost.add(mesh));
     this.ghost.traverse((part) => part.layers.set(MARKS_LAYER));
   }
 }

@@ -1,10 +1,10 @@
 // Arrows for what acts on the vehicle: thrust of each rotor and of all, the residual estimate, the adapter's share of it,
 // and the wind. Lengths are proportional and the same for every force, so that arrows may be compared by eye. What is
 // unknown is not drawn.
-import { Group, MeshBasicMaterial, type Object3D, Vector3 } from "three";
+import { type ColorRepresentation, MeshBasicMaterial, type Object3D, Vector3 } from "three";
 import type { Palette } from "../panels/theme";
 import type { SceneRotor } from "../protocol";
-import { Arrow, type DrawnArrow } from "./arrow";
+import { type Arrow, Arrows, type DrawnArrow } from "./arrow";
 import type { SceneChannels } from "./channels";
 import { MARKS_LAYER } from "./layers";
 import type { ViewSettings } from "./settings";
@@ -24,11 +24,9 @@ const ADAPTER_FOOT = new Vector3(0.06, -0.06, 0.03);
 const UP = new Vector3(0, 0, 1);
 const UNKNOWN = new Vector3(NaN, NaN, NaN);
 
-type Drawn = "thrust" | "total_thrust" | "estimate" | "adapter" | "wind";
-
 export class Forces {
-  readonly root = new Group();
-  private readonly materials: Record<Drawn, MeshBasicMaterial>;
+  private readonly material = new MeshBasicMaterial();
+  private readonly arrows: Arrows;
   private readonly hubs: Vector3[];
   private readonly rotors: Arrow[];
   private readonly total: Arrow;
@@ -44,24 +42,31 @@ export class Forces {
     private readonly channels: SceneChannels,
     palette: Palette,
   ) {
-    const material = (): MeshBasicMaterial => new MeshBasicMaterial();
-    this.materials = { thrust: material(), total_thrust: material(), estimate: material(), adapter: material(), wind: material() };
-    this.recolor(palette);
     this.hubs = rotors.map(({ position_in_body }) => new Vector3(...position_in_body));
-    this.rotors = rotors.map(() => this.arrow("thrust", 1.4));
-    this.total = this.arrow("total_thrust", 2);
-    this.estimate = this.arrow("estimate", 2);
-    this.adapter = this.arrow("adapter", 2);
-    this.winds = WIND_PLACES.map(() => this.arrow("wind", 1.4));
+    this.arrows = new Arrows(this.material, rotors.length + 3 + WIND_PLACES.length);
+    this.rotors = rotors.map(() => this.arrows.add(1.4, palette.ink));
+    this.total = this.arrows.add(2, palette.ink);
+    this.estimate = this.arrows.add(2, palette.estimate);
+    this.adapter = this.arrows.add(2, palette.warn);
+    this.winds = WIND_PLACES.map(() => this.arrows.add(1.4, palette.third));
     this.root.traverse((part) => part.layers.set(MARKS_LAYER));
   }
 
+  get root(): Object3D {
+    return this.arrows.root;
+  }
+
   recolor(palette: Palette): void {
-    this.materials.thrust.color.set(palette.ink);
-    this.materials.total_thrust.color.set(palette.ink);
-    this.materials.estimate.color.set(palette.estimate);
-    this.materials.adapter.color.set(palette.warn);
-    this.materials.wind.color.set(palette.third);
+    const paint = (arrows: Arrow[], color: ColorRepresentation): void => arrows.forEach((arrow) => arrow.color.set(color));
+    paint([...this.rotors, this.total], palette.ink);
+    paint([this.estimate], palette.estimate);
+    paint([this.adapter], palette.warn);
+    paint(this.winds, palette.third);
+  }
+
+  /** Before drawing. */
+  pack(): void {
+    this.arrows.pack();
   }
 
   /** Draws `values`, laid out as `SceneChannels` says from `offset` on, at the vehicle `base`. */
@@ -88,8 +93,8 @@ export class Forces {
   }
 
   dispose(): void {
-    this.root.removeFromParent();
-    Object.values(this.materials).forEach((material) => material.dispose());
+    this.arrows.dispose();
+    this.material.dispose();
   }
 
   drawn(): Record<string, DrawnArrow> {
@@ -126,12 +131,6 @@ export class Forces {
 
   private read(values: Float32Array, at: number, scale: number): void {
     this.way.set(values[at] ?? NaN, values[at + 1] ?? NaN, values[at + 2] ?? NaN).multiplyScalar(scale);
-  }
-
-  private arrow(kind: Drawn, thickness: number): Arrow {
-    const arrow = new Arrow(this.materials[kind], thickness);
-    this.root.add(arrow.root);
-    return arrow;
   }
 
   private all(): Arrow[] {

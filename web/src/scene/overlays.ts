@@ -3,7 +3,7 @@
 import { MeshBasicMaterial, type Scene as ThreeScene, Vector3 } from "three";
 import type { Palette } from "../panels/theme";
 import type { Hello } from "../protocol";
-import { Arrow, type DrawnArrow } from "./arrow";
+import { type Arrow, Arrows, type DrawnArrow } from "./arrow";
 import type { Bodies } from "./bodies";
 import { Brackets } from "./brackets";
 import type { SceneChannels } from "./channels";
@@ -27,6 +27,7 @@ export class Overlays {
   private readonly wanted: Trail;
   private readonly shadow = new Shadow();
   private readonly pushMaterial: MeshBasicMaterial;
+  private readonly pushes: Arrows;
   private readonly push: Arrow;
   private readonly pushWay = new Vector3();
   private height = 600;
@@ -44,12 +45,13 @@ export class Overlays {
     this.flown = new Trail(palette.estimate, false);
     this.wanted = new Trail(palette.setpoint, true);
     this.pushMaterial = new MeshBasicMaterial({ color: palette.focus, depthTest: false, transparent: true });
-    this.push = new Arrow(this.pushMaterial, 1.6);
-    this.push.root.traverse((part) => {
+    this.pushes = new Arrows(this.pushMaterial, 1);
+    this.push = this.pushes.add(1.6, 0xffffff);
+    this.pushes.root.traverse((part) => {
       part.layers.set(MARKS_LAYER);
       part.renderOrder = 3;
     });
-    scene.add(this.wanted.line, this.flown.line, this.contacts.root, this.shadow.mesh, this.push.root);
+    scene.add(this.wanted.line, this.flown.line, this.contacts.root, this.shadow.mesh, this.pushes.root);
   }
 
   /** Another flight. */
@@ -110,6 +112,9 @@ export class Overlays {
   /** Before drawing, from `eye` in the world. */
   seenFrom(eye: Vector3): void {
     this.frames?.seenFrom(eye);
+    this.forces?.pack();
+    this.contacts.pack();
+    this.pushes.pack();
   }
 
   /** The spring of a push, or none. */
@@ -122,7 +127,7 @@ export class Overlays {
     this.palette = palette;
     this.flown.recolor(palette.estimate);
     this.wanted.recolor(palette.setpoint);
-    this.contacts.material.color.set(palette.fourth);
+    this.contacts.recolor(palette.fourth);
     this.pushMaterial.color.set(palette.focus);
     this.hovered.recolor(palette.focus);
     this.chosen.recolor(palette.focus);

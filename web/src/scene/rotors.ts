@@ -1,6 +1,7 @@
 // Rotor discs with a hint of blades: they turn, and show more the harder the rotor pulls. The speed is a hint, not the
-// rotor's own: at a true 100 turns a second a picture sixty times a second would stand still or run backwards.
-import { CircleGeometry, Color, DoubleSide, Group, Mesh, MeshBasicMaterial, RingGeometry } from "three";
+// rotor's own: at a true 100 turns a second a picture sixty times a second would stand still or run backwards. All of it is
+// one mesh, its blades turned corner by corner: without a graphics card every mesh costs more than all of these corners.
+import { type BufferAttribute, type BufferGeometry, CircleGeometry, Color, DoubleSide, Float32BufferAttribute, Mesh, MeshBasicMaterial, RingGeometry } from "three";
 import { mergeGeometries } from "three/examples/jsm/utils/BufferGeometryUtils.js";
 import type { SceneRotor } from "../protocol";
 
@@ -15,57 +16,100 @@ const TURNS_PER_S = 0.6;
 const LONGEST_STEP_S = 0.1;
 
 export function glass(color: string, opacity: number): MeshBasicMaterial {
-  return new MeshBasicMaterial({ color: new Color(color), opacity, transparent: true, depthWrite: false, side: DoubleSide });
+  return new MeshBasicMaterial({ color: new Color(color), opacity, transparent: true, depthWrite: false, side: DoubleSide, forceSinglePass: true });
 }
 
-export function rim({ radius_m, position_in_body }: SceneRotor, material: MeshBasicMaterial): Mesh {
-  const mesh = new Mesh(new RingGeometry(radius_m * 0.96, radius_m, 40), material);
-  mesh.position.set(...position_in_body);
-  return mesh;
+/** The rims of all rotors; nothing for a vehicle without rotors. */
+export function rims(rotors: SceneRotor[], material: MeshBasicMaterial): Mesh[] {
+  return rotors.length === 0 ? [] : [new Mesh(mergeGeometries(rotors.map(rim)), material)];
 }
 
-function blades({ radius_m, position_in_body }: SceneRotor, material: MeshBasicMaterial): Mesh {
-  const sector = (start: number): CircleGeometry => new CircleGeometry(radius_m * 0.95, 6, start, BLADE_RAD);
-  const mesh = new Mesh(mergeGeometries([sector(0), sector(Math.PI)]), material);
-  mesh.position.set(...position_in_body);
-  return mesh;
+function rim({ radius_m, position_in_body }: SceneRotor): BufferGeometry {
+  return bare(new RingGeometry(radius_m * 0.96, radius_m, 40)).translate(...position_in_body);
 }
 
-function disc({ radius_m, position_in_body }: SceneRotor, material: MeshBasicMaterial): Mesh {
-  const mesh = new Mesh(new CircleGeometry(radius_m, 32), material);
-  mesh.position.set(...position_in_body);
-  return mesh;
+function disc({ radius_m, position_in_body }: SceneRotor): BufferGeometry {
+  return bare(new CircleGeometry(radius_m, 32)).translate(...position_in_body);
+}
+
+/** Two sectors around the origin. */
+function blades({ radius_m }: SceneRotor): BufferGeometry {
+  const sector = (start: number): BufferGeometry => bare(new CircleGeometry(radius_m * 0.95, 6, start, BLADE_RAD));
+  return mergeGeometries([sector(0), sector(Math.PI)]);
+}
+
+/** Corners alone. */
+function bare(geometry: BufferGeometry): BufferGeometry {
+  return geometry.deleteAttribute("normal").deleteAttribute("uv");
+}
+
+/** Blades of one rotor: their corners at rest, x y z in m, and where they are among those of the mesh. */
+interface Blades {
+  rest: ArrayLike<number>;
+  first: number;
+  angle: number;
 }
 
 export class Rotors {
-  readonly root = new Group();
-  private readonly turning: Mesh<CircleGeometry, MeshBasicMaterial>[];
-  private readonly materials: MeshBasicMaterial[];
+  /** None for a vehicle without rotors. */
+  readonly meshes: Mesh<BufferGeometry, MeshBasicMaterial>[] = [];
+  private readonly blades: Blades[] = [];
 
   constructor(
     private readonly rotors: SceneRotor[],
     color: string,
   ) {
-    const [discs, rims] = [glass(color, DISC_ALPHA), glass(color, RIM_ALPHA)];
-    this.turning = rotors.map((rotor) => blades(rotor, glass(color, 0)) as Mesh<CircleGeometry, MeshBasicMaterial>);
-    rotors.forEach((rotor) => this.root.add(disc(rotor, discs), rim(rotor, rims)));
-    this.turning.forEach((blade) => this.root.add(blade));
-    this.materials = [discs, rims, ...this.turning.map(({ material }) => material)];
+    if (rotors.length === 0) return;
+    const parts: BufferGeometry[] = [];
+    const alphas: number[] = [];
+    const add = (part: BufferGeometry, alpha: number): void => {
+      parts.push(part);
+      for (let i = 0; i < part.getAttribute("position").count; i += 1) alphas.push(alpha);
+    };
+    for (const rotor of rotors) {
+      add(disc(rotor), DISC_ALPHA);
+      add(rim(rotor), RIM_ALPHA);
+    }
+    for (const rotor of rotors) {
+      const turning = blades(rotor);
+      this.blades.push({ rest: turning.getAttribute("position").array, first: alphas.length, angle: 0 });
+      add(turning, 0);
+    }
+    const geometry = mergeGeometries(parts);
+    geometry.setAttribute("color", new Float32BufferAttribute(alphas.flatMap((alpha) => [1, 1, 1, alpha]), 4));
+    const material = glass(color, 1);
+    material.vertexColors = true;
+    const mesh = new Mesh(geometry, material);
+    // Blades come into their place with the first turn, inside the discs.
+    mesh.frustumCulled = false;
+    this.meshes.push(mesh);
   }
 
   recolor(color: string): void {
-    this.materials.forEach((material) => material.color.set(color));
+    this.meshes.forEach(({ material }) => material.color.set(color));
   }
 
   /** Turns the blades by `dt` seconds at the thrusts (N) from `offset` of `values` on; unknown thrust shows no blades. */
   turn(dt: number, values: Float32Array, offset: number): void {
+    const geometry = this.meshes[0]?.geometry;
+    if (geometry === undefined) return;
+    const [corners, colors] = [geometry.getAttribute("position") as BufferAttribute, geometry.getAttribute("color") as BufferAttribute];
     const step = Math.min(dt, LONGEST_STEP_S) * TURNS_PER_S * 2 * Math.PI;
-    this.turning.forEach((blade, i) => {
+    this.blades.forEach((blade, i) => {
       const newtons = values[offset + i] ?? NaN;
-      blade.visible = newtons > 0;
-      if (!blade.visible) return;
-      blade.material.opacity = Math.min(MOST_BLADE_ALPHA, newtons * BLADE_ALPHA_PER_NEWTON);
-      blade.rotation.z += step * Math.sqrt(newtons) * (this.rotors[i]?.spin ?? 1);
+      const rotor = this.rotors[i];
+      if (rotor === undefined) return;
+      if (newtons > 0) blade.angle += step * Math.sqrt(newtons) * rotor.spin;
+      const alpha = newtons > 0 ? Math.min(MOST_BLADE_ALPHA, newtons * BLADE_ALPHA_PER_NEWTON) : 0;
+      const [c, s] = [Math.cos(blade.angle), Math.sin(blade.angle)];
+      const [x0, y0, z0] = rotor.position_in_body;
+      for (let k = 0; k < blade.rest.length / 3; k += 1) {
+        const [x, y] = [blade.rest[3 * k] ?? 0, blade.rest[3 * k + 1] ?? 0];
+        corners.setXYZ(blade.first + k, x0 + c * x - s * y, y0 + s * x + c * y, z0);
+        colors.setW(blade.first + k, alpha);
+      }
     });
+    corners.needsUpdate = true;
+    colors.needsUpdate = true;
   }
 }

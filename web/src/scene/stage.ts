@@ -1,9 +1,10 @@
 // What does not depend on the flight: renderer, light and floor grid.
-import { Color, DirectionalLight, GridHelper, HemisphereLight, type LineBasicMaterial, Mesh, MeshBasicMaterial, PlaneGeometry, Scene, type WebGLRenderer } from "three";
+import { Color, DirectionalLight, GridHelper, HemisphereLight, LineSegments, Mesh, PlaneGeometry, Scene, ShaderMaterial, type WebGLRenderer } from "three";
 import type { Palette } from "../panels/theme";
 import { directSurface, isSoftware, SoftwareSurface, type Surface } from "./surface";
 
 const FLOOR_M = 20;
+const LINES_ALPHA = 0.55;
 const LARGEST_PIXEL_RATIO = 2;
 /** Pixels that a processor draws 30 times a second and still has time for charts; more are drawn coarser. */
 const SOFTWARE_PIXELS = 400_000;
@@ -11,6 +12,23 @@ const SOFTWARE_PIXELS = 400_000;
 /** Pixels drawn per CSS pixel of a view of this size. */
 export function pixelRatio(software: boolean, width: number, height: number, screen: number): number {
   return software ? Math.min(1, Math.sqrt(SOFTWARE_PIXELS / (width * height))) : Math.min(LARGEST_PIXEL_RATIO, screen);
+}
+
+/**
+ * One colour everywhere, in the encoding of the screen: other materials compute that for every pixel, which for a floor that
+ * fills the picture takes a processor longer than all the rest of the picture.
+ */
+function flatMaterial(opacity: number): ShaderMaterial {
+  return new ShaderMaterial({
+    uniforms: { color: { value: new Color() }, alpha: { value: opacity } },
+    vertexShader: "void main() { gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0); }",
+    fragmentShader: "uniform vec3 color; uniform float alpha; void main() { gl_FragColor = vec4(color, alpha); }",
+    transparent: opacity < 1,
+  });
+}
+
+function paint({ uniforms }: ShaderMaterial, color: string): void {
+  (uniforms["color"]?.value as Color).set(color).convertLinearToSRGB();
 }
 
 /** Sky, floor and the lines on it. */
@@ -34,20 +52,16 @@ export function buildStage(canvas: HTMLCanvasElement): Stage {
   const sun = new DirectionalLight(0xffffff, 1.9);
   sun.position.set(-3, -4, 8);
   scene.add(sun, new HemisphereLight(0xffffff, 0x8a8f96, 1.7));
-  const grid = new GridHelper(FLOOR_M, FLOOR_M * 2);
+  const lines = flatMaterial(LINES_ALPHA);
+  const grid = new LineSegments(new GridHelper(FLOOR_M, FLOOR_M * 2).geometry, lines);
   grid.rotation.x = Math.PI / 2;
   grid.position.z = 0.001;
-  const floor = new Mesh(new PlaneGeometry(FLOOR_M, FLOOR_M), new MeshBasicMaterial());
+  const floor = new Mesh(new PlaneGeometry(FLOOR_M, FLOOR_M), flatMaterial(1));
   scene.add(floor, grid);
   const setColors = (colors: StageColors): void => {
     scene.background = new Color(colors.sky);
-    floor.material.color.set(colors.ground3d);
-    const material = grid.material as LineBasicMaterial;
-    material.vertexColors = false;
-    material.color.set(colors.floor);
-    material.transparent = true;
-    material.opacity = 0.55;
-    material.needsUpdate = true;
+    paint(floor.material, colors.ground3d);
+    paint(lines, colors.floor);
   };
   const resize = (width: number, height: number): void => {
     renderer.setPixelRatio(pixelRatio(software, width, height, window.devicePixelRatio));

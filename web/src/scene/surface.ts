@@ -1,6 +1,7 @@
 // Where pictures appear. With a graphics card the page's canvas is drawn into. Without one the browser would hold the whole
 // page until the picture is computed and fetched, so it is drawn aside, fetched when it is ready, and put into the canvas.
 import { WebGLRenderer } from "three";
+import { handedOver } from "../plots/software";
 
 export interface Surface {
   renderer: WebGLRenderer;
@@ -39,7 +40,7 @@ export class SoftwareSurface implements Surface {
   constructor(private readonly canvas: HTMLCanvasElement) {
     this.renderer = new WebGLRenderer({ canvas: new OffscreenCanvas(1, 1), antialias: false, alpha: false });
     this.gl = this.renderer.getContext() as WebGL2RenderingContext;
-    const pen = canvas.getContext("2d", { alpha: false, willReadFrequently: true });
+    const pen = handedOver(canvas, { alpha: false });
     if (pen === null) throw new Error("no 2-D canvas");
     this.pen = pen;
   }

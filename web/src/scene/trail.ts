@@ -6,6 +6,8 @@ import { MARKS_LAYER } from "./layers";
 const POINTS = 2400;
 /** x y z (m), time (s), length of the way so far (m). */
 const FLOATS = 5;
+/** Of more changed places than this the whole is handed over. */
+const MOST_RANGES = 32;
 /** Points closer than this add nothing to the picture, m. */
 const SPACING_M = 0.01;
 const WIDTH_PX = 2.2;
@@ -131,13 +133,24 @@ export class Trail {
     this.points[k + 2] = z;
     this.points[k + 3] = time;
     this.points[k + 4] = way;
-    this.buffer.needsUpdate = true;
+    this.changed(k, FLOATS);
+  }
+
+  /** These numbers are to be handed over with the next picture; a line that is not drawn collects no more than it can hold. */
+  private changed(from: number, count: number): void {
+    const { buffer } = this;
+    if (buffer.updateRanges.length >= MOST_RANGES) {
+      buffer.clearUpdateRanges();
+      buffer.addUpdateRange(0, this.points.length);
+    } else buffer.addUpdateRange(from, count);
+    buffer.needsUpdate = true;
   }
 
   /** Room for more: the oldest quarter goes. */
   private thin(): void {
     const gone = POINTS >> 2;
     this.points.copyWithin(0, gone * FLOATS, this.count * FLOATS);
+    this.changed(0, this.points.length);
     this.count -= gone;
     this.firstTime = this.at(3);
   }

@@ -55,6 +55,8 @@ export class World {
   private flying = false;
   private old = false;
   private dirty = true;
+  /** Something came that is not in its place yet. */
+  private unplaced = false;
   private time = NaN;
   private renderedAt = 0;
   private drawnAt = -Infinity;
@@ -180,7 +182,9 @@ export class World {
     this.contacts = frame.contacts;
     this.overlays.contacts.update(frame.contacts);
     this.glide.arrived(performance.now(), !this.flying);
-    this.place();
+    // A flight that flies is placed when it is drawn; there are more frames than pictures.
+    if (this.flying) this.unplaced = true;
+    else this.place();
   }
 
   recolor(palette: Palette): void {
@@ -238,13 +242,15 @@ export class World {
 
   /** Draws if anything changed since the last call. */
   render(now: number): void {
-    if (this.glide.sample(now)) this.place();
-    if (this.view.advance(now) || this.pointer.frame(now)) this.touch();
+    const { renderer, scene, surface } = this.stage;
+    const turned = this.view.advance(now);
+    if (this.pointer.frame(now) || turned) this.touch();
+    if (!surface.ready() || (this.software && now - this.drawnAt < SOFTWARE_EVERY_MS)) return;
+    if (this.glide.sample(now) || this.unplaced) this.place();
     this.overlays.pull(this.pointer.pushing ? this.pointer.spring : null, SPRING_N_PER_M);
     this.spin((now - this.renderedAt) / 1000);
     this.renderedAt = now;
-    const { renderer, scene, surface } = this.stage;
-    if (!surface.ready() || !this.dirty || (this.software && now - this.drawnAt < SOFTWARE_EVERY_MS)) return;
+    if (!this.dirty) return;
     this.dirty = false;
     this.drawnAt = now;
     const start = performance.now();
@@ -287,6 +293,7 @@ export class World {
   /** Puts bodies and overlays where the glide has them now. */
   private place(): void {
     this.touch();
+    this.unplaced = false;
     if (this.bodies === null || Number.isNaN(this.time)) return;
     const { shown, target } = this.glide;
     this.bodies.update(shown, this.settings.shown.ghost);
