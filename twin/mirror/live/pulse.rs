@@ -29,9 +29,9 @@ pub(super) struct Pulse {
 /// Own time less the stream's, of messages that came together, s.
 #[derive(Clone, Copy, Debug)]
 struct Bin {
-    from_s: f64,
-    least_s: f64,
-    most_s: f64,
+    began_s: f64,
+    least: f64,
+    most: f64,
 }
 
 impl Pulse {
@@ -46,20 +46,20 @@ impl Pulse {
         }
         self.last_s = Some((now_s, log_s));
         let found = now_s - log_s;
-        match self.bins.back_mut().filter(|bin| now_s - bin.from_s < BIN_S) {
+        match self.bins.back_mut().filter(|bin| now_s - bin.began_s < BIN_S) {
             Some(bin) => {
-                (bin.least_s, bin.most_s) = (bin.least_s.min(found), bin.most_s.max(found));
+                (bin.least, bin.most) = (bin.least.min(found), bin.most.max(found));
             }
-            None => self.bins.push_back(Bin { from_s: now_s, least_s: found, most_s: found }),
+            None => self.bins.push_back(Bin { began_s: now_s, least: found, most: found }),
         }
-        while self.bins.front().is_some_and(|bin| now_s - bin.from_s > REMEMBERED_S) {
+        while self.bins.front().is_some_and(|bin| now_s - bin.began_s > REMEMBERED_S) {
             self.bins.pop_front();
         }
         anew
     }
 
     fn least_s(&self) -> Option<f64> {
-        self.bins.iter().map(|bin| bin.least_s).reduce(f64::min)
+        self.bins.iter().map(|bin| bin.least).reduce(f64::min)
     }
 
     /// The stream's time now, s; `None` before the first message.
@@ -69,7 +69,7 @@ impl Pulse {
 
     /// So far behind that time everything has come, s.
     pub(super) fn lag_s(&self) -> f64 {
-        let most_s = self.bins.iter().map(|bin| bin.most_s).reduce(f64::max);
+        let most_s = self.bins.iter().map(|bin| bin.most).reduce(f64::max);
         let delay_s = most_s.zip(self.least_s()).map_or(0.0, |(most, least)| most - least);
         (delay_s + ROOM_S).clamp(LAG_S.0, LAG_S.1)
     }
