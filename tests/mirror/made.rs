@@ -22,8 +22,8 @@ pub(crate) const GAIN: f64 = 20.0;
 /// The flight controller's clock is behind the recorder's by this much, µs.
 const CLOCK_US: u64 = 1_700_000_000_000_000;
 
-const ODOMETRY: &str = "uint64 timestamp\nuint64 timestamp_sample\nuint8 pose_frame\nfloat32[3] position\nfloat32[4] q\nuint8 velocity_frame\nfloat32[3] velocity\nfloat32[3] angular_velocity\n";
-const THRUST: &str = "uint64 timestamp\nfloat32[3] xyz\n";
+pub(crate) const ODOMETRY: &str = "uint64 timestamp\nuint64 timestamp_sample\nuint8 pose_frame\nfloat32[3] position\nfloat32[4] q\nuint8 velocity_frame\nfloat32[3] velocity\nfloat32[3] angular_velocity\n";
+pub(crate) const THRUST: &str = "uint64 timestamp\nfloat32[3] xyz\n";
 
 /// Little-endian CDR: what ROS 2 writes.
 struct Cdr(Vec<u8>);
@@ -130,6 +130,13 @@ pub(crate) fn ulog() -> Vec<u8> {
         bytes.extend(message(b'D', &[&[5, 0][..], &time, &xyz].concat()));
     }
     bytes
+}
+
+/// Odometry and thrust of the circle at a time by the flight controller's clock and of the flight.
+pub(crate) fn messages(t_us: u64, t_s: f64) -> [Vec<u8>; 2] {
+    let (odometry, specific_force) = odometry_message(t_us, t_s, 1.0);
+    let thrust = Cdr::new().put(t_us.to_le_bytes()).floats(&[0.0, 0.0, -specific_force / GAIN]).0;
+    [odometry, thrust]
 }
 
 /// The odometry message at a time, and the specific force, m/s².

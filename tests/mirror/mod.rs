@@ -1,7 +1,10 @@
 //! Flights that others recorded: made files of every kind, damage of every kind, and the real ones where they are at hand.
 
 mod damage;
-mod long;
+mod fuzz;
+mod fuzzed;
+mod indexed;
+mod live;
 pub(crate) mod made;
 mod misfits;
 mod program;

@@ -17,5 +17,7 @@ mod mirroring;
 mod misuse;
 mod operating;
 mod serving;
+#[cfg(feature = "foxglove-ws")]
+mod streaming;
 mod viewers;
 mod watching;

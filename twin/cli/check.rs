@@ -2,8 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use anyhow::Context;
 use clap::Args;
 use twin::model::{Packages, Robot};
+use twin::residual::nn::Precision;
+use twin::residual::nn::kernels::Kernel;
+use twin::residual::trained;
+use twin::residual::weights::Weights;
 use twin::scenario::{Scenario, json_schema};
 
 use super::{End, Overrides};
@@ -13,7 +18,7 @@ pub(super) struct CheckArgs {
     /// Print the JSON Schema of a scenario, for editors.
     #[arg(long, conflicts_with = "files")]
     schema: bool,
-    /// Scenario (.toml) and vehicle (.urdf) files.
+    /// Scenarios (.toml), vehicles (.urdf) and trained weights (.safetensors).
     #[arg(required_unless_present = "schema")]
     files: Vec<PathBuf>,
     #[command(flatten)]
@@ -47,10 +52,27 @@ fn check(file: &Path, overrides: &[String]) -> anyhow::Result<String> {
             robot.total_mass_kg()
         ));
     }
+    if file.extension().is_some_and(|ending| ending == "safetensors") {
+        return weights(file);
+    }
     if file.file_name().is_some_and(|name| name == "defaults.toml") {
         return Ok("defaults of every key".to_owned());
     }
     let scenario = Scenario::load(file, overrides)?;
     scenario.build()?;
     Ok(scenario.settings.title)
+}
+
+/// What a file of weights is of, once its predictor stands.
+fn weights(file: &Path) -> anyhow::Result<String> {
+    let bytes = std::fs::read(file).with_context(|| file.display().to_string())?;
+    let weights = Weights::from_bytes(&bytes).with_context(|| file.display().to_string())?;
+    let trained = trained::predictor(&weights, Kernel::SCALAR, Precision::F32)
+        .with_context(|| file.display().to_string())?;
+    let head = &weights.head;
+    let accepted = if head.acceptance.passed() { "accepted" } else { "not accepted" };
+    Ok(format!(
+        "{}, {} numbers, trained on data {:.12}, {accepted}: {}",
+        head.model, trained.parameters, head.data_hash, head.acceptance
+    ))
 }

@@ -83,11 +83,11 @@ fn write(args: &CsvArgs, out: &mut dyn Write) -> anyhow::Result<usize> {
         }
         return Ok(ticks.len());
     }
-    let shadow = Shadow::new(&opened.recorded, opened.map.vehicle.inertia_kg_m2);
+    let shadow = Shadow::of(&opened);
     let mut flight = shadow.flight(0, shadow.tuning()).context("no tick to fly")?;
-    for (index, instant) in opened.recorded.instants.iter().enumerate() {
-        let known = (instant.chi.map(|v| v.is_some()), shadow.counts(index));
-        writeln!(out, "{}", line(&flight.tick(), &known))?;
+    for index in 0..shadow.ticks() {
+        let tick = flight.tick();
+        writeln!(out, "{}", line(&tick, &shadow.film().known(index)))?;
     }
     Ok(shadow.ticks())
 }

@@ -2,21 +2,32 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Duration;
 
 use anyhow::Context;
 use clap::Args;
-use twin::mirror::{OpenedFlight, Recorder, RecordingEnd, RecordingInfo, stand_in};
+use indicatif::{ProgressBar, ProgressStyle};
+use twin::mirror::live::{From, is_address};
+use twin::mirror::{Live, OpenedFlight, Recorder, RecordingEnd, RecordingInfo, stand_in};
 use twin::residual::PredictorInfo;
-use twin::scenario::{Shadow, ShadowReport, shadow};
+use twin::scenario::{Shadow, ShadowReport};
 use twin::server::{MirrorOptions, serve_mirror};
+use twin::tick::Tick;
 
 use super::End;
 use super::fly::{Speed, parse_speed};
 
+/// While nothing is heard, it is said after so long what is waited for.
+const TOLD: Duration = Duration::from_secs(5);
+
 #[derive(Args)]
+#[expect(clippy::struct_excessive_bools, reason = "flags of a command line")]
 pub(super) struct MirrorArgs {
-    /// MCAP file of a real flight; it may be cut off or damaged.
+    /// MCAP or ULog file of a real flight, which may be cut off or damaged; or `ws://HOST:PORT` of a Foxglove WebSocket server.
     file: PathBuf,
+    /// The file is still being written: watch it as it grows.
+    #[arg(long, conflicts_with = "headless")]
+    follow: bool,
     /// No server: read the flight to its end and print what was found.
     #[arg(long)]
     headless: bool,
@@ -53,21 +64,17 @@ pub(super) struct MirrorArgs {
 }
 
 pub(super) fn run(args: &MirrorArgs) -> anyhow::Result<End> {
-    let opened = OpenedFlight::open(&args.file, args.map.as_deref())?;
+    if let Some(from) = live(args)? {
+        let (live, opened) = hear(&from, args)?;
+        serve_mirror(options(args, opened, Some(live)))?;
+        return Ok(End::Passed);
+    }
+    let opened = open(args)?;
     for problem in &opened.survey.container.problems {
         eprintln!("{}: {problem}", args.file.display());
     }
     if !args.headless {
-        serve_mirror(MirrorOptions {
-            opened,
-            host: args.host.clone(),
-            port: args.port,
-            speed: args.rate.0,
-            start_s: args.start_offset,
-            start_paused: args.start_paused,
-            viewer_dir: args.viewer_dir.clone().or_else(super::viewers::default_folder),
-            foxglove_port: args.foxglove_port,
-        })?;
+        serve_mirror(options(args, opened, None))?;
         return Ok(End::Passed);
     }
     let report = fly(&opened, args.record.as_deref())?;
@@ -79,21 +86,84 @@ pub(super) fn run(args: &MirrorArgs) -> anyhow::Result<End> {
     Ok(End::Passed)
 }
 
+fn options(args: &MirrorArgs, opened: OpenedFlight, live: Option<Live>) -> MirrorOptions {
+    MirrorOptions {
+        opened,
+        host: args.host.clone(),
+        port: args.port,
+        speed: args.rate.0,
+        // A flight that still goes on is watched where it is.
+        start_s: if live.is_some() { f64::MAX } else { args.start_offset },
+        live,
+        start_paused: args.start_paused,
+        viewer_dir: args.viewer_dir.clone().or_else(super::viewers::default_folder),
+        foxglove_port: args.foxglove_port,
+    }
+}
+
+/// Where a flight comes from that still goes on, if it is one.
+fn live(args: &MirrorArgs) -> anyhow::Result<Option<From>> {
+    let address = is_address(&args.file);
+    anyhow::ensure!(
+        !(address && args.headless),
+        "{}: a stream has no end, so --headless cannot fly it to its end; leave --headless out, or mirror a recording",
+        args.file.display()
+    );
+    Ok(if address {
+        Some(From::Socket(args.file.display().to_string()))
+    } else {
+        args.follow.then(|| From::File(args.file.clone()))
+    })
+}
+
+/// Waits until a pose is heard, and says what it waits for.
+fn hear(from: &From, args: &MirrorArgs) -> anyhow::Result<(Live, OpenedFlight)> {
+    let live = Live::listen(from, args.map.as_deref())?;
+    loop {
+        if let Some(opened) = live.wait(TOLD) {
+            return Ok((live, opened));
+        }
+        live.news().iter().for_each(|text| eprintln!("{text}"));
+        eprintln!("{}: waiting for a pose", live.name());
+    }
+}
+
+/// Opens the flight, with a bar if it has to be read whole.
+fn open(args: &MirrorArgs) -> anyhow::Result<OpenedFlight> {
+    let bar = ProgressBar::no_length().with_style(
+        ProgressStyle::with_template("{msg} [{wide_bar}] {bytes}/{total_bytes}, {eta} left")
+            .unwrap_or_else(|_| ProgressStyle::default_bar()),
+    );
+    bar.set_message("read whole, because it has no index of chunks");
+    let opened = OpenedFlight::open_watched(&args.file, args.map.as_deref(), &mut |read, of| {
+        bar.set_length(of);
+        bar.set_position(read);
+    });
+    bar.finish_and_clear();
+    Ok(opened?)
+}
+
 /// Flies in shadow to the end, and records it if that is asked for.
 fn fly(opened: &OpenedFlight, record: Option<&Path>) -> anyhow::Result<ShadowReport> {
+    let shadow = Shadow::of(opened);
     let mut recorder = match record {
-        Some(path) => Some(Recorder::create(path, &recording_info(opened)?)?),
+        Some(path) => Some(Recorder::create(path, &recording_info(opened, &shadow)?)?),
         None => None,
     };
     let mut trouble = None;
-    let report = shadow(&opened.recorded, opened.map.vehicle.inertia_kg_m2, &mut |tick| {
+    let mut keep = |tick: &Tick| {
         if let Some(recorder) = &mut recorder
             && trouble.is_none()
         {
             trouble = recorder.record(Arc::new(tick.clone())).err();
         }
-    })
-    .with_context(|| format!("{}: no tick to fly", opened.path.display()))?;
+    };
+    let report = shadow
+        .fly(&mut keep)
+        .with_context(|| format!("{}: no tick to fly", opened.path.display()))?;
+    for text in shadow.film().troubles() {
+        eprintln!("{}: {text}", opened.path.display());
+    }
     if let Some(trouble) = trouble {
         return Err(trouble.into());
     }
@@ -106,8 +176,7 @@ fn fly(opened: &OpenedFlight, record: Option<&Path>) -> anyhow::Result<ShadowRep
     Ok(report)
 }
 
-fn recording_info(opened: &OpenedFlight) -> anyhow::Result<RecordingInfo> {
-    let shadow = Shadow::new(&opened.recorded, opened.map.vehicle.inertia_kg_m2);
+fn recording_info(opened: &OpenedFlight, shadow: &Shadow) -> anyhow::Result<RecordingInfo> {
     Ok(RecordingInfo {
         scenario: format!("mirror of {}", opened.name()),
         scenario_toml: String::new(),
@@ -131,7 +200,7 @@ fn recording_info(opened: &OpenedFlight) -> anyhow::Result<RecordingInfo> {
 }
 
 fn json(opened: &OpenedFlight, report: &ShadowReport) -> serde_json::Value {
-    let OpenedFlight { path, survey, map, map_name, signals, recorded } = opened;
+    let OpenedFlight { path, survey, map, map_name, signals, recorded, .. } = opened;
     let empty: Vec<&str> = survey
         .channels
         .iter()

@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use super::replay::Entrant;
 use super::series::EvaluateError;
-use crate::residual::baselines::{Gp, Sindy};
+use crate::residual::lra;
 use crate::residual::nn::Precision;
 use crate::residual::nn::kernels::Kernel;
+use crate::residual::trained::{MODELS, Trained, predictor};
 use crate::residual::weights::{Weights, WeightsError};
-use crate::residual::{Fdt, Predictor, learned, lra};
 use crate::scenario::Scenario;
 use crate::tuning::Tuning;
 
@@ -109,12 +109,13 @@ pub fn trained(
     if rows.is_empty() {
         return Err(failed(WeightsError::Model {
             found: weights.head.model.clone(),
-            expected: "sindy, gp, lstm, transformer, gpt2, neural_fly, mlp or fdt",
+            expected: MODELS,
         }));
     }
     rows.into_iter()
         .map(|(_, name, label, adapted, paper)| {
-            let (predictor, parameters) = predictor(weights).map_err(failed)?;
+            let Trained { predictor, parameters } =
+                predictor(weights, Kernel::best(), Precision::F32).map_err(failed)?;
             let adapter =
                 lra::Adapter::new(predictor.regime_len(), predictor.info().scale, &tuning.adapter);
             Ok(Candidate {
@@ -133,22 +134,4 @@ pub fn trained(
             })
         })
         .collect()
-}
-
-fn predictor(weights: &Weights) -> Result<(Box<dyn Predictor>, usize), WeightsError> {
-    let all = weights.tensors.values().map(|tensor| tensor.values.len()).sum();
-    Ok(match weights.head.model.as_str() {
-        "sindy" => {
-            let model = Sindy::new(weights)?;
-            let parameters = model.parameters();
-            (Box::new(model), parameters)
-        }
-        "gp" => {
-            let model = Gp::new(weights)?;
-            let parameters = model.parameters();
-            (Box::new(model), parameters)
-        }
-        name if learned::NAMES.contains(&name) => (Box::new(learned::Baseline::new(weights)?), all),
-        _ => (Box::new(Fdt::new(weights, Kernel::best(), Precision::F32)?), all),
-    })
 }

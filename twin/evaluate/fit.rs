@@ -40,7 +40,7 @@ pub fn fit(baseline: Baseline, flights: &[Series], data_hash: &str) -> Option<We
             let coefficients = sindy::fit(&x, &y, sindy::THRESHOLD);
             let config =
                 json!({"library": "quadratic", "threshold": sindy::THRESHOLD, "samples": x.len()});
-            (vec![Sindy::tensors(&coefficients)], "sindy", config)
+            (vec![Sindy::tensors(&coefficients)], sindy::NAME, config)
         }
         Baseline::Gp => {
             let ticks: usize = flights.iter().map(|flight| flight.samples.len()).sum();
@@ -52,7 +52,7 @@ pub fn fit(baseline: Baseline, flights: &[Series], data_hash: &str) -> Option<We
                 |from: &[Vec<f64>]| order.iter().map(|i| from[*i].clone()).collect::<Vec<_>>();
             let found = gp::fit(&pick(&x), &pick(&y), GP_FEW)?;
             let config = json!({"kernel": "ard_rbf", "samples": x.len(), "kernel_samples": GP_FEW});
-            (found.tensors(), "gp", config)
+            (found.tensors(), gp::NAME, config)
         }
     };
     model.clone_into(&mut head.model);

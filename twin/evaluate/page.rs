@@ -95,6 +95,18 @@ fn figures(page: &mut String, table: &PredictionTable) {
         );
     }
     page.push_str("</tbody></table>");
+    for s in &table.spreads {
+        let _ = write!(
+            page,
+            "<p>{} over {} trainings: RMSE {:.3} ± {:.3}, R² {:.3} ± {:.3}</p>",
+            escaped(&s.name),
+            s.trainings,
+            s.rmse_z[0],
+            s.rmse_z[1],
+            s.r2[0],
+            s.r2[1],
+        );
+    }
 }
 
 fn over_horizon(rows: &[Row]) -> Picture {

@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::entrants::{Candidate, Paper};
 use super::replay::{Replayed, replay};
 use super::series::{Series, Statistics};
+use crate::residual::HORIZON;
 
 /// One line.
 #[derive(Clone, Debug, Serialize)]
@@ -26,6 +27,49 @@ pub struct Row {
     /// What was found.
     #[serde(flatten)]
     pub replayed: Replayed,
+}
+
+/// A model that was trained with several seeds: mean and standard deviation (n - 1) over them.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Spread {
+    /// Name of its rows.
+    pub name: String,
+    /// Trainings.
+    pub trainings: usize,
+    /// z-scored RMSE at `j = 0`.
+    pub rmse_z: [f64; 2],
+    /// R² at `j = 0`.
+    pub r2: [f64; 2],
+    /// z-scored RMSE at `j = k`.
+    pub rmse_z_last: [f64; 2],
+}
+
+/// Of every name that stands over more than one row, in their order.
+pub fn spreads(rows: &[Row]) -> Vec<Spread> {
+    let mut names: Vec<&str> = Vec::new();
+    for row in rows {
+        if !names.contains(&row.name.as_str()) {
+            names.push(&row.name);
+        }
+    }
+    let of = |name: &str| -> Option<Spread> {
+        let same: Vec<&Row> = rows.iter().filter(|row| row.name == name).collect();
+        let over = |value: fn(&Replayed) -> f64| {
+            let n = same.len() as f64;
+            let values = || same.iter().map(|row| value(&row.replayed));
+            let mean = values().sum::<f64>() / n;
+            let squares = values().map(|v| (v - mean).powi(2)).sum::<f64>();
+            [mean, (squares / (n - 1.0)).sqrt()]
+        };
+        (same.len() > 1).then(|| Spread {
+            name: name.to_owned(),
+            trainings: same.len(),
+            rmse_z: over(|r| r.horizons[0].rmse_z),
+            r2: over(|r| r.horizons[0].r2),
+            rmse_z_last: over(|r| r.horizons[HORIZON].rmse_z),
+        })
+    };
+    names.into_iter().filter_map(of).collect()
 }
 
 /// The table with what it was made from.
@@ -49,6 +93,8 @@ pub struct PredictionTable {
     pub statistics: Statistics,
     /// The lines.
     pub rows: Vec<Row>,
+    /// Mean and deviation over trainings with several seeds.
+    pub spreads: Vec<Spread>,
 }
 
 /// Replays `series` through the candidates, one after the other, so that their times can be compared; `done` is told the name of

@@ -147,8 +147,10 @@ impl Series {
     /// # Errors
     /// [`EvaluateError`] if there is none, one cannot be read, or they do not share one `M_bar`.
     pub fn read_training(folder: &Path) -> Result<Vec<Self>, EvaluateError> {
-        let entries = std::fs::read_dir(folder)
-            .map_err(|why| EvaluateError::File { path: folder.to_owned(), why })?;
+        let entries = std::fs::read_dir(folder).map_err(|why| match why.kind() {
+            std::io::ErrorKind::NotFound => EvaluateError::NoTraining(folder.to_owned()),
+            _ => EvaluateError::File { path: folder.to_owned(), why },
+        })?;
         let mut paths: Vec<PathBuf> =
             entries.filter_map(|entry| entry.ok().map(|entry| entry.path())).collect();
         paths.retain(|path| {

@@ -89,7 +89,8 @@ pub struct TrainConfig {
     pub gradient_clip: f64,
     /// Epochs without improvement of the validation loss after which the training ends.
     pub patience: usize,
-    /// White noise on the applied forces, standard deviations.
+    /// White noise on the applied forces, standard deviations. Against the leak from `tau_{t-1}`; flights with a multisine do
+    /// without it: closed-loop R² of `twin evaluate acceptance` is 0.983 without, 0.965 with 0.1.
     pub tau_noise: f32,
     /// Part of each flight for validation, at its end.
     pub validation: f64,
@@ -118,7 +119,7 @@ impl Default for TrainConfig {
             warm_up_epochs: 1.0,
             gradient_clip: 1.0,
             patience: 8,
-            tau_noise: 0.3,
+            tau_noise: 0.0,
             validation: 0.15,
         }
     }

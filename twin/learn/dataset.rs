@@ -187,7 +187,7 @@ fn read_one(path: &Path) -> Result<Raw, LearnError> {
     match read_recording(path) {
         Ok(recording) => own(path, &recording),
         // An MCAP or ULog of another program.
-        Err(error) => match OpenedFlight::open(path, None) {
+        Err(error) => match OpenedFlight::open_whole(path, None) {
             Ok(opened) if !opened.is_own() => Ok(foreign::raw(&opened)),
             _ => Err(error.into()),
         },

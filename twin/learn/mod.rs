@@ -12,6 +12,7 @@ mod error;
 pub mod file;
 pub mod foreign;
 pub mod parameters;
+pub mod regime;
 pub mod windows;
 
 #[cfg(feature = "train")]

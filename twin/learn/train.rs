@@ -9,6 +9,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use burn_tensor::{Tensor, TensorData};
+use nalgebra::DMatrix;
 
 use super::LearnError;
 use super::adam::{Adam, learning_rate};
@@ -20,14 +21,12 @@ use super::fdt::Fdt;
 use super::file::write_whole;
 use super::graph::{Inputs, Leaves, Network, device, exclusive, mean_square, values};
 use super::parameters::Parameters;
+use super::regime::{Basis, second_moment};
 use super::windows::{Batch, Place, Windows, generator};
 use crate::notation::TICK_S;
 use crate::residual::weights::{self, Acceptance, FORMAT, Head, Training, Weights};
 
-/// Mean of the squared norm of the regime that the adapter is to see.
-const REGIME_POWER: f64 = 8.0;
-
-/// Windows whose regime is looked at for its scale: every so many-th of the training.
+/// Windows whose regime is looked at for its basis: every so many-th of the training.
 const REGIME_STRIDE: usize = 32;
 
 /// What to train, and where to.
@@ -266,9 +265,15 @@ impl<'a> Trainer<'a> {
         places.chunks(self.request.config.batch).map(part).sum::<f64>() / places.len() as f64
     }
 
-    fn finish(self, data: &Dataset, finished: bool) -> Result<Outcome, LearnError> {
+    fn finish(mut self, data: &Dataset, finished: bool) -> Result<Outcome, LearnError> {
+        let mut scale = 1.0;
+        if finished {
+            let basis = self.basis();
+            basis.turn(&mut self.now.best);
+            scale = basis.scale;
+        }
         let outcome = Outcome {
-            head: self.head(data, finished),
+            head: self.head(data, scale),
             curve: self.now.state.curve.clone(),
             parameters: self
                 .network
@@ -299,7 +304,7 @@ impl<'a> Trainer<'a> {
         Ok(outcome)
     }
 
-    fn head(&self, data: &Dataset, finished: bool) -> Head {
+    fn head(&self, data: &Dataset, regime_scale: f64) -> Head {
         let state = &self.now.state;
         let best = state.curve.iter().find(|record| record.epoch == state.best_epoch);
         let wide = |values: &[f32]| values.iter().map(|v| f64::from(*v)).collect::<Vec<f64>>();
@@ -317,7 +322,7 @@ impl<'a> Trainer<'a> {
                 input_std: wide(&z.input_std),
                 output_mean: wide(&z.output_mean),
                 output_std: wide(&z.output_std),
-                regime_scale: if finished { self.regime_scale() } else { 1.0 },
+                regime_scale,
             },
             rate_hz: 1.0 / TICK_S,
             m_bar: data.nominal_inertia.clone(),
@@ -337,14 +342,20 @@ impl<'a> Trainer<'a> {
         }
     }
 
-    /// What makes the mean of the regime's squared norm over the training windows [`REGIME_POWER`].
-    fn regime_scale(&self) -> f64 {
+    /// The basis of the regime, from its second moment over the training windows.
+    fn basis(&self) -> Basis {
         let leaves = Leaves::new(&self.now.best, false);
         let places = self.windows.epoch(self.request.seed, 0, REGIME_STRIDE);
-        let power = self.over(&places, |inputs| {
-            let regime = self.network.forward(&leaves, inputs.x).regime;
-            f64::from(values(regime.square().sum_dim(1).mean())[0])
+        let d_k = self.request.config.d_k;
+        let parts = places.chunks(self.request.config.batch).map(|part| {
+            let inputs = self.inputs(&self.windows.batch(part, None), false, 1.0);
+            let regimes = values(self.network.forward(&leaves, inputs.x).regime);
+            second_moment(&regimes, d_k, places.len())
         });
-        if power > 0.0 && power.is_finite() { (REGIME_POWER / power).sqrt() } else { 1.0 }
+        let moment = parts.fold(DMatrix::zeros(d_k, d_k), |sum, part| sum + part);
+        match self.request.config.model {
+            ModelKind::Fdt => Basis::of(&moment),
+            _ => Basis::unturned(&moment),
+        }
     }
 }

@@ -12,18 +12,18 @@ use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOp
 use serde::Serialize;
 
 /// Longest record and chunk that is read.
-const LONGEST_RECORD_BYTES: u64 = 256 << 20;
+pub(super) const LONGEST_RECORD_BYTES: u64 = 256 << 20;
 
 /// Most problems that are kept; the rest is counted.
 const MOST_PROBLEMS: usize = 20;
 
 /// Opcodes that are read by this file itself: footer, chunk, end of the data.
-const FOOTER: u8 = 0x02;
-const CHUNK: u8 = 0x06;
-const DATA_END: u8 = 0x0F;
+pub(super) const FOOTER: u8 = 0x02;
+pub(super) const CHUNK: u8 = 0x06;
+pub(super) const DATA_END: u8 = 0x0F;
 
 /// Length of opcode and length before every record.
-const HEAD_BYTES: usize = 9;
+pub(super) const HEAD_BYTES: usize = 9;
 
 /// What the file is like as a container.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -224,7 +224,7 @@ fn cut_off(rest: &[u8], offset: u64, findings: &mut Findings, on: &mut dyn FnMut
 }
 
 /// The records inside a chunk record; `checked` compares the checksum before the first of them is seen.
-fn unpack(
+pub(super) fn unpack(
     mut bytes: &[u8],
     checked: bool,
     on: &mut dyn FnMut(Record<'_>),

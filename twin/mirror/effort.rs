@@ -49,9 +49,22 @@ pub(super) struct Found {
     pub effort: Effort,
     /// Per tick.
     pub airborne: Vec<bool>,
+    /// Thrust above which it flies, in the thrust's unit.
+    pub threshold: f64,
 }
 
-/// Force in the body, N, from the best source there is. `acceleration` passed `H` `passes` times.
+/// What was found for the whole of a flight of which a part is read.
+#[derive(Clone, Debug)]
+pub(super) struct Settled {
+    /// Where the force comes from.
+    pub effort: Effort,
+    /// Mass in use, kg.
+    pub mass_kg: f64,
+    /// As [`Found::threshold`].
+    pub threshold: f64,
+}
+
+/// Force in the body, N, from the best source there is. `acceleration` passed `H` `passes` times. What is `settled` is not fitted.
 pub(super) fn effort(
     signals: &Signals,
     times_s: &[f64],
@@ -59,6 +72,7 @@ pub(super) fn effort(
     acceleration: &Ticks<3>,
     passes: usize,
     mass_kg: f64,
+    settled: Option<&Settled>,
 ) -> Found {
     let specific_force: Vec<Option<f64>> = acceleration
         .iter()
@@ -74,37 +88,56 @@ pub(super) fn effort(
             times_s.iter().filter_map(|t_s| Some((*t_s, Vector1::new(force.linear(*t_s)?.z)))),
         );
         let least = LEAST_THRUST * mass_kg * GRAVITY_M_S2;
-        let fit = fit(&along_z, times_s, &specific_force, passes, least).ok();
-        let airborne = airborne(&along_z, times_s, least);
-        return Found { body_force, effort: Effort::Wrench { fit }, airborne };
+        let fitted = || fit(&along_z, times_s, &specific_force, passes, least).ok();
+        let effort = match settled {
+            Some(settled) => settled.effort.clone(),
+            None => Effort::Wrench { fit: fitted() },
+        };
+        let threshold = settled.map_or_else(|| threshold(&along_z, least), |s| s.threshold);
+        let airborne = airborne(&along_z, times_s, threshold);
+        return Found { body_force, effort, airborne, threshold };
     }
     let unknown = |why: String| Found {
         body_force: vec![None; times_s.len()],
         effort: Effort::Unknown { why },
         airborne: vec![false; times_s.len()],
+        threshold: f64::INFINITY,
     };
     let Some((input, thrust)) = &signals.thrust else {
         return unknown(
             "no wrench, thrust set-point, motor output or collective thrust".to_owned(),
         );
     };
-    match fit(thrust, times_s, &specific_force, passes, LEAST_THRUST) {
+    let fitted = match settled.map(|settled| &settled.effort) {
+        None => fit(thrust, times_s, &specific_force, passes, LEAST_THRUST),
+        Some(Effort::Fitted { fit, .. }) => Ok(*fit),
+        Some(Effort::Unknown { why }) => Err(why.clone()),
+        Some(_) => Err("the flight has a wrench, and this part of it none".to_owned()),
+    };
+    match fitted {
         Err(why) => unknown(why),
         Ok(fit) => {
             let newtons =
                 |u: &Option<Vector1<f64>>| u.map(|u| Vector3::z() * (u.x * fit.gain * mass_kg));
+            let threshold =
+                settled.map_or_else(|| threshold(thrust, LEAST_THRUST), |s| s.threshold);
             Found {
                 body_force: delayed(thrust, times_s, fit.lag_s).iter().map(newtons).collect(),
                 effort: Effort::Fitted { input: *input, fit },
-                airborne: airborne(thrust, times_s, LEAST_THRUST),
+                airborne: airborne(thrust, times_s, threshold),
+                threshold,
             }
         }
     }
 }
 
-/// Where the thrust is above half of its 90 % quantile, short spikes and short dips left out.
-fn airborne(thrust: &Series<1>, times_s: &[f64], least: f64) -> Vec<bool> {
-    let threshold = (high(thrust) * AIRBORNE_SHARE).max(least);
+/// Half of the 90 % quantile of the thrust.
+fn threshold(thrust: &Series<1>, least: f64) -> f64 {
+    (high(thrust) * AIRBORNE_SHARE).max(least)
+}
+
+/// Where the thrust is above `threshold`, short spikes and short dips left out.
+fn airborne(thrust: &Series<1>, times_s: &[f64], threshold: f64) -> Vec<bool> {
     let mut flies: Vec<bool> =
         times_s.iter().map(|t_s| thrust.linear(*t_s).is_some_and(|u| u.x > threshold)).collect();
     for short in [false, true] {
@@ -135,7 +168,8 @@ mod tests {
             _ => 0.0,
         };
         let samples = times.iter().enumerate().map(|(i, t)| (*t, Vector1::new(thrust(i))));
-        let flies = airborne(&Series::new(samples), &times, LEAST_THRUST);
+        let thrust = Series::new(samples);
+        let flies = airborne(&thrust, &times, threshold(&thrust, LEAST_THRUST));
         let expected: Vec<bool> = (0..1000).map(|i| (300..900).contains(&i)).collect();
         assert_eq!(flies, expected);
     }

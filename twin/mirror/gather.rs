@@ -2,9 +2,10 @@
 //!
 //! In: a recording and a [`Map`]. Out: one [`Track`] per channel and quantity.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::{BufReader, Read};
+use std::ops::Deref;
 
 use mcap::records::Record;
 
@@ -29,6 +30,8 @@ pub struct Sample {
 /// One quantity of one channel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Track {
+    /// Number of its channel.
+    pub channel: u16,
     /// Topic.
     pub topic: String,
     /// Schema.
@@ -43,6 +46,20 @@ pub struct Track {
     pub names: Vec<String>,
     /// Samples in file order.
     pub samples: Vec<Sample>,
+}
+
+impl Track {
+    /// The same without its samples.
+    pub(super) fn bare(&self) -> Self {
+        Self {
+            topic: self.topic.clone(),
+            schema: self.schema.clone(),
+            rule: self.rule.clone(),
+            names: self.names.clone(),
+            samples: Vec::new(),
+            ..*self
+        }
+    }
 }
 
 /// All tracks, and what could not be decoded.
@@ -67,17 +84,19 @@ pub fn gather(file: &std::path::Path, map: &Map) -> Result<Gathered, ContainerEr
 /// # Errors
 /// [`ContainerError`] if nothing can be read.
 pub fn gather_from(input: &mut impl Read, map: &Map) -> Result<Gathered, ContainerError> {
-    let mut collector = Collector::new(map);
+    let mut collector = Collector::new(map, None);
     container::read(input, &mut |record| collector.take(record))?;
     Ok(collector.finish())
 }
 
+#[derive(Debug)]
 enum Form {
     Cdr(Layout),
     Ulog(Layout),
     Json,
 }
 
+#[derive(Debug)]
 struct Channel {
     form: Form,
     topic: String,
@@ -88,6 +107,7 @@ struct Channel {
     first_error: String,
 }
 
+#[derive(Debug)]
 struct Extract {
     quantity: Quantity,
     paths: Vec<Path>,
@@ -95,19 +115,25 @@ struct Extract {
     only_if: Option<(Path, Vec<f64>)>,
 }
 
-struct Collector<'a> {
-    map: &'a Map,
+/// Decodes records as they come; `M` is a map or a reference to one.
+#[derive(Debug)]
+pub(super) struct Collector<M> {
+    map: M,
+    /// Only these channels, if given.
+    only: Option<BTreeSet<u16>>,
     schemas: BTreeMap<u16, (String, String, Vec<u8>)>,
     channels: BTreeMap<u16, Channel>,
     notes: Vec<String>,
 }
 
-impl<'a> Collector<'a> {
-    fn new(map: &'a Map) -> Self {
-        Self { map, schemas: BTreeMap::new(), channels: BTreeMap::new(), notes: Vec::new() }
+impl<M: Deref<Target = Map>> Collector<M> {
+    /// For all channels that `map` asks for, or for those of them in `only`.
+    pub(super) fn new(map: M, only: Option<BTreeSet<u16>>) -> Self {
+        let (schemas, channels) = (BTreeMap::new(), BTreeMap::new());
+        Self { map, only, schemas, channels, notes: Vec::new() }
     }
 
-    fn take(&mut self, record: Record<'_>) {
+    pub(super) fn take(&mut self, record: Record<'_>) {
         match record {
             Record::Schema { header, data } => {
                 let schema = (header.name, header.encoding, data.into_owned());
@@ -123,8 +149,26 @@ impl<'a> Collector<'a> {
         }
     }
 
+    /// The tracks without their samples, in the order of [`Self::drain`].
+    pub(super) fn empty_tracks(&self) -> Vec<Track> {
+        let tracks = self.channels.values().flat_map(|channel| &channel.tracks);
+        tracks.map(Track::bare).collect()
+    }
+
+    /// The samples since the last call, per track.
+    pub(super) fn drain(&mut self) -> Vec<Vec<Sample>> {
+        let tracks = self.channels.values_mut().flat_map(|channel| &mut channel.tracks);
+        tracks.map(|track| std::mem::take(&mut track.samples)).collect()
+    }
+
+    /// What could not be decoded since the last call, a sentence per channel.
+    pub(super) fn complaints(&mut self) -> Vec<String> {
+        self.channels.values_mut().filter_map(Channel::complaint).collect()
+    }
+
     fn open(&mut self, channel: &mcap::records::Channel) {
-        if self.channels.contains_key(&channel.id) {
+        let unwanted = self.only.as_ref().is_some_and(|only| !only.contains(&channel.id));
+        if unwanted || self.channels.contains_key(&channel.id) {
             return;
         }
         let nothing = (String::new(), String::new(), Vec::new());
@@ -147,7 +191,7 @@ impl<'a> Collector<'a> {
                 "schema encoding {schema:?} with message encoding {message:?} is not read; read are ros2msg with cdr, and json"
             )),
         };
-        match form.and_then(|form| Channel::new(form, &channel.topic, name, rank, rule)) {
+        match form.and_then(|form| Channel::new(form, channel, name, (rank, rule))) {
             Ok(opened) => {
                 self.channels.insert(channel.id, opened);
             }
@@ -155,29 +199,20 @@ impl<'a> Collector<'a> {
         }
     }
 
-    fn finish(self) -> Gathered {
-        let mut notes = self.notes;
-        let mut tracks = Vec::new();
-        for channel in self.channels.into_values() {
-            if channel.undecodable > 0 {
-                notes.push(format!(
-                    "{}: {} messages could not be decoded: {}",
-                    channel.topic, channel.undecodable, channel.first_error
-                ));
-            }
-            tracks.extend(channel.tracks);
-        }
-        Gathered { tracks, notes }
+    /// Everything.
+    pub(super) fn finish(mut self) -> Gathered {
+        let complaints = self.complaints();
+        let notes = [self.notes, complaints].concat();
+        Gathered { tracks: self.channels.into_values().flat_map(|c| c.tracks).collect(), notes }
     }
 }
 
 impl Channel {
     fn new(
         form: Form,
-        topic: &str,
+        channel: &mcap::records::Channel,
         schema: &str,
-        rank: usize,
-        rule: &Rule,
+        (rank, rule): (usize, &Rule),
     ) -> Result<Self, String> {
         let time = match &rule.time {
             TimeSource::Log => None,
@@ -193,7 +228,8 @@ impl Channel {
             Ok(Extract { quantity: *quantity, paths: paths?, fields: fields.clone(), only_if })
         };
         let track = |quantity: &Quantity| Track {
-            topic: topic.to_owned(),
+            channel: channel.id,
+            topic: channel.topic.clone(),
             schema: schema.to_owned(),
             rank,
             rule: rule.clone(),
@@ -203,12 +239,20 @@ impl Channel {
         };
         Ok(Self {
             form,
-            topic: topic.to_owned(),
+            topic: channel.topic.clone(),
             time,
             quantities: rule.gives.iter().map(extract).collect::<Result<_, String>>()?,
             tracks: rule.gives.keys().map(track).collect(),
             undecodable: 0,
             first_error: String::new(),
+        })
+    }
+
+    fn complaint(&mut self) -> Option<String> {
+        let undecodable = std::mem::take(&mut self.undecodable);
+        let first = std::mem::take(&mut self.first_error);
+        (undecodable > 0).then(|| {
+            format!("{}: {undecodable} messages could not be decoded: {first}", self.topic)
         })
     }
 

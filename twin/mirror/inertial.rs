@@ -10,29 +10,52 @@ use crate::notation::{GRAVITY_M_S2, TICK_S, world_from_body};
 /// How fast the bias follows the position, rad/s.
 const BIAS_RATE_RAD_S: f64 = 0.5;
 
+/// Ticks over which the bias at the start of a part of a flight is averaged: 2 s.
+const START_TICKS: usize = 200;
+
 /// Acceleration of the base in the world per tick, m/s², before `H`. Unknown where attitude or accelerometer is.
 ///
-/// `specific_force` is in the body, `eta` is `[phi theta psi]`, `position` in the world, m.
+/// `specific_force` is in the body, `eta` is `[phi theta psi]`, `position` in the world, m. The bias is zero at the start; in
+/// `parts` of a flight it starts anew after every tick of which nothing is known, as the mean of the first 2 s.
 pub(super) fn acceleration(
     specific_force: &Series<3>,
     times_s: &[f64],
     eta: &Ticks<3>,
     position: &Ticks<3>,
+    parts: bool,
 ) -> Ticks<3> {
     let from_position = filtered(&curvature(position), true);
     let blend = 1.0 - (-BIAS_RATE_RAD_S * TICK_S).exp();
-    let mut bias = Vector3::zeros();
-    (0..times_s.len())
+    let raw: Ticks<3> = (0..times_s.len())
         .map(|tick| {
             let body = specific_force.linear(times_s[tick])?;
             let gravity = Vector3::z() * GRAVITY_M_S2;
-            let raw = world_from_body(eta[tick].as_ref()?) * body - gravity;
+            Some(world_from_body(eta[tick].as_ref()?) * body - gravity)
+        })
+        .collect();
+    let mut bias: Option<Vector3<f64>> = (!parts).then(Vector3::zeros);
+    (0..times_s.len())
+        .map(|tick| {
+            let Some(here) = raw[tick] else {
+                bias = bias.filter(|_| !parts);
+                return None;
+            };
+            let bias = bias.get_or_insert_with(|| mean_bias(&raw[tick..], &from_position[tick..]));
             if let Some(slow) = from_position[tick] {
-                bias += (raw - slow - bias) * blend;
+                *bias += (here - slow - *bias) * blend;
             }
-            Some(raw - bias)
+            Some(here - *bias)
         })
         .collect()
+}
+
+/// Mean of what the accelerometer says beyond the position, over the first 2 s of a run of known ticks.
+fn mean_bias(raw: &[Option<Vector3<f64>>], from_position: &[Option<Vector3<f64>>]) -> Vector3<f64> {
+    let run = raw.iter().zip(from_position).take(START_TICKS).take_while(|(raw, _)| raw.is_some());
+    let (sum, n) = run
+        .filter_map(|(raw, slow)| Some((*raw)? - (*slow)?))
+        .fold((Vector3::zeros(), 0.0), |(sum, n), bias| (sum + bias, n + 1.0));
+    sum / f64::max(n, 1.0)
 }
 
 #[cfg(test)]
@@ -53,7 +76,7 @@ mod tests {
         let specific = Series::new(
             times.iter().map(|t| (*t, Vector3::new(accelerate(*t), 0.0, GRAVITY_M_S2) + bias)),
         );
-        let found = acceleration(&specific, &times, &eta, &position);
+        let found = acceleration(&specific, &times, &eta, &position, false);
         for tick in 2000..ticks as usize - 1 {
             let error = found[tick].unwrap() - Vector3::x() * accelerate(times[tick]);
             // exp(-0.5 * 20 s) of the bias, and what `H` delays a motion of 6 rad/s by, seen through 0.5 rad/s.
@@ -62,10 +85,23 @@ mod tests {
     }
 
     #[test]
+    fn a_part_of_a_flight_starts_with_the_bias_that_it_has() {
+        let times: Vec<f64> = (0..300).map(|i| f64::from(i) * TICK_S).collect();
+        let bias = Vector3::new(0.3, -0.2, 0.5);
+        let still: Ticks<3> = vec![Some(Vector3::zeros()); 300];
+        let specific = Series::new(times.iter().map(|t| (*t, Vector3::z() * GRAVITY_M_S2 + bias)));
+        let found = acceleration(&specific, &times, &still, &still, true);
+        let whole = acceleration(&specific, &times, &still, &still, false);
+        // At rest position says zero exactly, so the first tick is right already; a whole flight needs seconds for it.
+        assert!(found[0].unwrap().norm() < 1e-12, "{:?}", found[0]);
+        assert!(whole[100].unwrap().norm() > 0.3 * bias.norm(), "{:?}", whole[100]);
+    }
+
+    #[test]
     fn without_attitude_nothing_is_known() {
         let times = [0.0, 0.01, 0.02];
         let specific = Series::new(times.iter().map(|t| (*t, Vector3::z() * GRAVITY_M_S2)));
         let still: Ticks<3> = vec![Some(Vector3::zeros()); 3];
-        assert_eq!(acceleration(&specific, &times, &vec![None; 3], &still), vec![None; 3]);
+        assert_eq!(acceleration(&specific, &times, &vec![None; 3], &still, false), vec![None; 3]);
     }
 }

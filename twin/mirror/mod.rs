@@ -1,29 +1,37 @@
 //! Flights to files and from outside: the recorder, reading its files back, and reading flights that others recorded.
 //!
 //! The only place that knows the MCAP container. A foreign flight goes `container` (records) → `survey` (what is there) →
-//! `topics` (what it means) → `gather` (numbers) → `signals` (one clock, ENU and FLU) → `recorded` (ticks of the loop).
+//! `topics` (what it means) → `gather` (numbers) → `signals` (one clock, ENU and FLU) → `recorded` (ticks of the loop) → `film`
+//! (what the loop reads). A long one is judged by `stretches` and goes the same way part by part, through an `index` of its file.
 
 pub mod cdr;
 pub mod clock;
 pub mod container;
 pub mod effort;
+pub mod film;
 #[cfg(test)]
 pub(crate) mod fixture;
+mod footage;
 pub mod frames;
 pub mod gather;
 mod grid;
+mod index;
 mod inertial;
+pub mod live;
 mod lossless;
 pub mod opened;
+mod own_footage;
 pub mod recorded;
 pub mod recorder;
 pub mod recording;
 mod replayed;
+mod scan;
 pub mod scene;
 pub mod schema;
 pub mod series;
 pub mod signals;
 mod stand_in;
+pub mod stretches;
 pub mod survey;
 mod thrust_fit;
 pub mod topics;
@@ -33,8 +41,11 @@ pub mod value;
 pub(crate) mod views;
 
 pub use effort::Effort;
+pub use film::RecordedSource;
+pub use index::Input;
+pub use live::Live;
 pub use opened::{OpenError, OpenedFlight};
-pub use recorded::{Derivation, MirrorError, RecordedFlight, RecordedSource};
+pub use recorded::{Derivation, MirrorError, RecordedFlight};
 pub use recorder::{Recorder, RecordingEnd, RecordingInfo, Written};
 pub use recording::{Recording, RecordingError, read_recording, read_ticks};
 pub use replayed::recorded_nominal_inertia;

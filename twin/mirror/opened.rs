@@ -1,19 +1,29 @@
 //! A recording opened: what it holds, what it means, the flight on ticks.
 
+use std::fs::File;
+use std::io::{BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::container::ContainerError;
 use super::effort::Effort;
-use super::gather::gather;
+use super::film::Footage;
+use super::gather::gather_from;
+use super::index::{Index, Input};
+use super::own_footage::OwnFootage;
 use super::recorded::{MirrorError, RecordedFlight, on_ticks};
 use super::recording::{RecordingError, TICK_TOPIC};
 use super::replayed::replayed;
 use super::signals::{Signals, signals};
+use super::stretches::{LONG_S, judge};
 use super::survey::Survey;
 use super::topics::{Map, MapError, SHIPPED};
 
 /// Most topics that an error lists.
 const SHOWN_TOPICS: usize = 30;
+
+/// How far a file was read is told after so many bytes.
+const TOLD_BYTES: u64 = 4 << 20;
 
 /// What is said about a recording of this program.
 const AS_RECORDED: &str =
@@ -32,8 +42,10 @@ pub struct OpenedFlight {
     pub map_name: String,
     /// What was chosen.
     pub signals: Signals,
-    /// The flight.
+    /// The flight; of a long one stretches of it.
     pub recorded: RecordedFlight,
+    /// A long flight, which is read as it is played.
+    pub long: Option<Arc<dyn Footage>>,
 }
 
 /// Why a recording cannot be mirrored.
@@ -110,28 +122,141 @@ pub fn survey(path: &Path, map: Option<&str>) -> Result<(Survey, Map, String), O
     Ok((survey, map, name))
 }
 
+/// A file that is read twice from its start to its end.
+struct Counted<'a> {
+    file: BufReader<File>,
+    read: u64,
+    told: u64,
+    of: u64,
+    on: &'a mut dyn FnMut(u64, u64),
+}
+
+impl<'a> Counted<'a> {
+    fn open(path: &Path, on: &'a mut dyn FnMut(u64, u64)) -> std::io::Result<Self> {
+        let file = File::open(path)?;
+        let of = 2 * file.metadata()?.len();
+        Ok(Self { file: BufReader::new(file), read: 0, told: 0, of, on })
+    }
+
+    fn again(&mut self) -> std::io::Result<()> {
+        self.read = self.of / 2;
+        self.file.rewind()
+    }
+}
+
+impl Read for Counted<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        let read = self.file.read(buffer)?;
+        self.read += read as u64;
+        if self.read - self.told > TOLD_BYTES {
+            self.told = self.read;
+            (self.on)(self.read, self.of);
+        }
+        Ok(read)
+    }
+}
+
+/// Longer than what is read whole.
+fn is_long(index: &Index) -> bool {
+    index.span_ns().is_some_and(|(first, last)| (last - first) as f64 * 1e-9 > LONG_S)
+}
+
 impl OpenedFlight {
-    /// Opens `path`; `map` is the name of a shipped map or a TOML file, else the family is recognised.
+    /// Opens `path`; `map` is the name of a shipped map or a TOML file, else the family is recognised. A long flight in an MCAP
+    /// file with chunks is read through its index, as it is played.
     ///
     /// # Errors
     /// [`OpenError`] if it cannot be read, or holds no pose.
     pub fn open(path: &Path, map: Option<&str>) -> Result<Self, OpenError> {
-        let (survey, map, map_name) = survey(path, map)?;
+        Self::open_watched(path, map, &mut |_, _| {})
+    }
+
+    /// The same; where the file must be read whole, `on` is told bytes read and bytes to read now and then.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn open_watched(
+        path: &Path,
+        map: Option<&str>,
+        on: &mut dyn FnMut(u64, u64),
+    ) -> Result<Self, OpenError> {
+        // What is wrong with the file is said by the way that reads it whole.
+        let input = File::open(path).ok().map(|file| Box::new(file) as Box<dyn Input>);
+        match input.map_or(Ok(None), |input| Self::open_long(path, map, input))? {
+            Some(long) => Ok(long),
+            None => Self::read_whole(path, map, on),
+        }
+    }
+
+    /// The flight in `input`, called `path`, through its index; `None` if it is no long one or has no index.
+    ///
+    /// # Errors
+    /// [`OpenError`] if the map is not usable, or it holds no pose.
+    pub fn open_long(
+        path: &Path,
+        map: Option<&str>,
+        input: Box<dyn Input>,
+    ) -> Result<Option<Self>, OpenError> {
+        let Some(index) = Index::new(input).ok().flatten().filter(is_long) else { return Ok(None) };
+        let mut survey = Survey::of_index(&index);
+        let (map, map_name) = choose_map(map, survey.family)?;
+        survey.mark(&map);
+        let path = path.to_owned();
+        if survey.has(TICK_TOPIC) {
+            let Some(footage) = OwnFootage::new(index) else { return Ok(None) };
+            let signals = Signals { notes: vec![AS_RECORDED.to_owned()], ..Signals::default() };
+            let recorded = footage.stretches();
+            survey.container = footage.findings().clone();
+            let (map_name, long) = ("twin".to_owned(), Some(Arc::new(footage) as Arc<dyn Footage>));
+            return Ok(Some(Self { path, survey, map, map_name, signals, recorded, long }));
+        }
+        let topics = survey.topics(SHOWN_TOPICS);
+        match judge(index, &map) {
+            Ok((judged, findings)) => {
+                survey.container = findings;
+                let (signals, recorded) = (judged.signals, judged.recorded);
+                let long = Some(Arc::new(judged.footage) as Arc<dyn Footage>);
+                Ok(Some(Self { path, survey, map, map_name, signals, recorded, long }))
+            }
+            Err(why) => Err(OpenError::Mirror { path, why, topics }),
+        }
+    }
+
+    /// The same, but everything is read and held, however long it is.
+    ///
+    /// # Errors
+    /// [`OpenError`] if it cannot be read, or holds no pose.
+    pub fn open_whole(path: &Path, map: Option<&str>) -> Result<Self, OpenError> {
+        Self::read_whole(path, map, &mut |_, _| {})
+    }
+
+    fn read_whole(
+        path: &Path,
+        map: Option<&str>,
+        on: &mut dyn FnMut(u64, u64),
+    ) -> Result<Self, OpenError> {
+        let refused = |why| OpenError::Container { path: path.to_owned(), why };
+        let mut file = Counted::open(path, on).map_err(|why| refused(why.into()))?;
+        let mut survey = Survey::read_from(&mut file).map_err(refused)?;
+        let (map, map_name) = choose_map(map, survey.family)?;
+        survey.mark(&map);
         if survey.has(TICK_TOPIC) {
             let signals = Signals { notes: vec![AS_RECORDED.to_owned()], ..Signals::default() };
             let map_name = "twin".to_owned();
             let recorded = replayed(path)?;
-            return Ok(Self { path: path.to_owned(), survey, map, map_name, signals, recorded });
+            let path = path.to_owned();
+            return Ok(Self { path, survey, map, map_name, signals, recorded, long: None });
         }
-        let gathered = gather(path, &map)
-            .map_err(|why| OpenError::Container { path: path.to_owned(), why })?;
+        file.again().map_err(|why| refused(why.into()))?;
+        let gathered = gather_from(&mut file, &map).map_err(refused)?;
         let signals = signals(&gathered);
         let recorded = on_ticks(&signals, &map.vehicle).map_err(|why| OpenError::Mirror {
             path: path.to_owned(),
             why,
             topics: survey.topics(SHOWN_TOPICS),
         })?;
-        Ok(Self { path: path.to_owned(), survey, map, map_name, signals, recorded })
+        let path = path.to_owned();
+        Ok(Self { path, survey, map, map_name, signals, recorded, long: None })
     }
 
     /// Recorded by this program.

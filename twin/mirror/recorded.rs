@@ -4,12 +4,12 @@
 //! best of: slope of a measured rate, accelerometer, curvature of the pose. It passes `H`, and a second time where the pose was
 //! differentiated twice, because `H` alone leaves that noise as it is. Applied force passes the same.
 
-use std::sync::Arc;
+use std::ops::Range;
 
 use nalgebra::{Vector2, Vector3};
 use serde::Serialize;
 
-use super::effort::{Effort, effort};
+use super::effort::{Effort, Settled, effort};
 use super::grid::{Ticks, curvature, filtered, filtered_times, slope};
 use super::inertial;
 use super::signals::Signals;
@@ -18,11 +18,9 @@ use crate::notation::{
     Coords, N, TICK_S, body_rate_from_euler_rate, euler_from_rotation, euler_rate_from_body_rate,
     world_from_body, wrap_angle,
 };
-use crate::source::{Disturbance, InnerLoop, Source};
-use crate::tick::{GripperReading, Measurement, Setpoint, Truth};
 
 /// Longest flight, ticks: ten hours.
-const MOST_TICKS: f64 = 3.6e6;
+pub(super) const MOST_TICKS: f64 = 3.6e6;
 
 /// Rows of the arm, the last ones.
 pub(super) const ARM_ROWS: usize = 2;
@@ -57,6 +55,8 @@ pub struct RecordedFlight {
     pub nominal_inertia: Option<Coords>,
     /// Where the accelerations of translation and rotation come from.
     pub acceleration: [Derivation; 2],
+    /// Thrust above which the vehicle is taken to fly, in the thrust's unit.
+    pub airborne_above: f64,
     /// Names of the joints in the rows q1 and q2, as far as the recording has any.
     pub joint_names: Vec<String>,
 }
@@ -111,18 +111,49 @@ pub fn on_ticks(signals: &Signals, facts: &VehicleFacts) -> Result<RecordedFligh
     let spans = || spans.iter().flatten();
     let start_s = spans().map(|span| span.0).reduce(f64::min).ok_or(MirrorError::NoPose)?;
     let end_s = spans().map(|span| span.1).fold(start_s, f64::max);
+    let ticks = tick_count(start_s, end_s)?;
+    let times_s: Vec<f64> = (0..ticks).map(|i| start_s + i as f64 * TICK_S).collect();
+    Ok(on_times(signals, facts, times_s, Reading::Whole))
+}
+
+/// Ticks from the first time to the second.
+pub(super) fn tick_count(start_s: f64, end_s: f64) -> Result<usize, MirrorError> {
     let ticks = ((end_s - start_s) / TICK_S).floor() + 1.0;
-    if ticks > MOST_TICKS {
-        return Err(MirrorError::TooLong(end_s - start_s));
+    if ticks <= MOST_TICKS {
+        Ok(ticks as usize)
+    } else {
+        Err(MirrorError::TooLong(end_s - start_s))
     }
-    let times_s: Vec<f64> = (0..ticks as usize).map(|i| start_s + i as f64 * TICK_S).collect();
+}
+
+/// How much of a flight is put onto ticks.
+#[derive(Clone, Copy)]
+pub(super) enum Reading<'a> {
+    /// All of it.
+    Whole,
+    /// Stretches with a tick of which nothing is known between them.
+    Stretches,
+    /// A part; what was found for the whole holds.
+    Part(&'a Settled),
+}
+
+/// Puts `signals` onto the ticks at `times_s`, which are a tick apart wherever anything is known.
+pub(super) fn on_times(
+    signals: &Signals,
+    facts: &VehicleFacts,
+    times_s: Vec<f64>,
+    reading: Reading<'_>,
+) -> RecordedFlight {
+    let settled = if let Reading::Part(settled) = reading { Some(settled) } else { None };
+    let parts = !matches!(reading, Reading::Whole);
     let mut instants = vec![Instant::default(); times_s.len()];
     let eta = attitude(signals, &times_s);
-    let (acceleration, of_translation) = translation(signals, &times_s, &eta, &mut instants);
+    let (acceleration, of_translation) = translation(signals, &times_s, &eta, &mut instants, parts);
     let of_rotation = rotation(signals, &times_s, &eta, &mut instants);
     arm(signals, &times_s, &mut instants);
-    let mass_kg = facts.mass_kg.unwrap_or(1.0);
-    let found = effort(signals, &times_s, &eta, &acceleration, of_translation.passes(), mass_kg);
+    let mass_kg = settled.map_or_else(|| facts.mass_kg.unwrap_or(1.0), |settled| settled.mass_kg);
+    let passes = of_translation.passes();
+    let found = effort(signals, &times_s, &eta, &acceleration, passes, mass_kg, settled);
     let effort = found.effort;
     // A wrench in N without a mass beside it: the mass that fits the flight.
     let mass_kg = match (&effort, facts.mass_kg) {
@@ -142,7 +173,7 @@ pub fn on_ticks(signals: &Signals, facts: &VehicleFacts) -> Result<RecordedFligh
     store(&mut instants, 3, &filtered_times(&moment, of_rotation.passes()), |i| &mut i.tau);
     let acceleration = [of_translation, of_rotation];
     let joints = signals.joints.iter().flat_map(|(names, _)| names);
-    Ok(RecordedFlight {
+    RecordedFlight {
         times_s,
         instants,
         effort,
@@ -150,8 +181,9 @@ pub fn on_ticks(signals: &Signals, facts: &VehicleFacts) -> Result<RecordedFligh
         airborne: found.airborne,
         nominal_inertia: None,
         acceleration,
+        airborne_above: found.threshold,
         joint_names: joints.take(ARM_ROWS).cloned().collect(),
-    })
+    }
 }
 
 /// `f` of attitude and value where both are known.
@@ -198,6 +230,7 @@ fn translation(
     times_s: &[f64],
     eta: &Ticks<3>,
     instants: &mut [Instant],
+    parts: bool,
 ) -> (Ticks<3>, Derivation) {
     let Some(position) = &signals.position else {
         return (vec![None; times_s.len()], Derivation::Unknown);
@@ -216,7 +249,7 @@ fn translation(
     let (raw, derivation) = match (&measured, &signals.specific_force) {
         (Some(velocity), _) => (slope(velocity), Derivation::MeasuredRate),
         (None, Some(specific_force)) => {
-            let raw = inertial::acceleration(specific_force, times_s, eta, &chi);
+            let raw = inertial::acceleration(specific_force, times_s, eta, &chi, parts);
             (raw, Derivation::Accelerometer)
         }
         (None, None) => (curvature(&chi), Derivation::Pose),
@@ -275,6 +308,14 @@ fn arm(signals: &Signals, times_s: &[f64], instants: &mut [Instant]) {
 }
 
 impl RecordedFlight {
+    /// These ticks of it alone.
+    pub(super) fn only(mut self, ticks: Range<usize>) -> Self {
+        self.times_s = self.times_s[ticks.clone()].to_vec();
+        self.instants = self.instants[ticks.clone()].to_vec();
+        self.airborne = self.airborne[ticks].to_vec();
+        self
+    }
+
     /// The mass is neither given nor found: forces are per kilogram.
     pub fn per_kilogram(&self, facts: &VehicleFacts) -> bool {
         let known = matches!(self.effort, Effort::Wrench { fit: Some(_) } | Effort::Recorded);
@@ -290,62 +331,4 @@ impl RecordedFlight {
     pub fn residual_known(&self, tick: usize, row: usize) -> bool {
         self.instants.get(tick).is_some_and(|i| i.tau[row].is_some() && i.chi_ddot[row].is_some())
     }
-
-    /// The flight as the loop reads it. A row without a known residual gets the applied force that makes the residual equal
-    /// `nominal` (N, N m), so that nobody learns from it; its coordinate is the last known one.
-    pub fn measurements(&self, nominal: &Coords, nominal_inertia: &Coords) -> Vec<Measurement> {
-        let mut held = Coords::zeros();
-        let one = |(instant, t_s): (&Instant, &f64)| {
-            let mut of = |row: usize| {
-                held[row] = instant.chi[row].unwrap_or(held[row]);
-                held[row]
-            };
-            let chi = Coords::from_fn(|row, _| of(row));
-            let chi_ddot = Coords::from_fn(|row, _| instant.chi_ddot[row].unwrap_or(0.0));
-            let tau_applied =
-                Coords::from_fn(|row, _| match (instant.tau[row], instant.chi_ddot[row]) {
-                    (Some(tau), Some(_)) => tau,
-                    _ => nominal[row] + nominal_inertia[row] * chi_ddot[row],
-                });
-            Measurement {
-                t_s: *t_s,
-                chi,
-                chi_dot: Coords::from_fn(|row, _| instant.chi_dot[row].unwrap_or(0.0)),
-                chi_ddot,
-                tau_applied,
-                gripper: GripperReading::default(),
-                payload: None,
-                saturated: false,
-            }
-        };
-        self.instants.iter().zip(&self.times_s).map(one).collect()
-    }
-}
-
-/// Plays measurements; what it is told to do reaches nobody.
-pub struct RecordedSource {
-    measurements: Arc<[Measurement]>,
-    next: usize,
-}
-
-impl RecordedSource {
-    /// From `measurements[first]` on; `None` if there is none.
-    pub fn new(measurements: Arc<[Measurement]>, first: usize) -> Option<Self> {
-        (first < measurements.len()).then_some(Self { measurements, next: first })
-    }
-}
-
-impl Source for RecordedSource {
-    /// The next measurement; after the last one the last one again.
-    fn advance(&mut self, _setpoint: &Setpoint, _inner: &mut dyn InnerLoop) -> Measurement {
-        let measurement = self.measurements[self.next].clone();
-        self.next = (self.next + 1).min(self.measurements.len() - 1);
-        measurement
-    }
-
-    fn truth(&self) -> Option<Truth> {
-        None
-    }
-
-    fn disturb(&mut self, _disturbance: &Disturbance) {}
 }

@@ -6,6 +6,7 @@ use super::effort::Effort;
 use super::recorded::{ARM_ROWS, Derivation, Instant, RecordedFlight};
 use super::recording::{Recording, RecordingError, read_recording};
 use crate::notation::{Coords, N, ROWS};
+use crate::tick::Measurement;
 
 /// Reads the recording in `path` as a flight to mirror.
 ///
@@ -13,36 +14,61 @@ use crate::notation::{Coords, N, ROWS};
 /// [`RecordingError`] if it cannot be read or holds no tick.
 pub(super) fn replayed(path: &Path) -> Result<RecordedFlight, RecordingError> {
     let recording = read_recording(path)?;
-    let nominal_inertia = recorded_nominal_inertia(&recording);
-    let all = |values: &Coords| std::array::from_fn(|row| Some(values[row]));
     let measured = || recording.ticks.iter().map(|tick| &tick.measurement);
-    Ok(RecordedFlight {
-        times_s: measured().map(|m| m.t_s).collect(),
-        instants: measured()
-            .map(|m| Instant {
-                chi: all(&m.chi),
-                chi_dot: all(&m.chi_dot),
-                chi_ddot: all(&m.chi_ddot),
-                tau: all(&m.tau_applied),
-            })
-            .collect(),
-        effort: Effort::Recorded,
-        mass_kg: nominal_inertia.map_or(1.0, |inertia| inertia[0]),
-        airborne: vec![true; recording.ticks.len()],
-        acceleration: [Derivation::Recorded; 2],
-        nominal_inertia,
-        joint_names: joint_names(&recording),
-    })
+    Ok(as_recorded(
+        measured().map(|m| m.t_s).collect(),
+        measured().map(Instant::from).collect(),
+        recorded_nominal_inertia(&recording),
+        joint_names(recording.metadata.get("joints").map(String::as_str)),
+    ))
 }
 
-/// The arm's joints by the names of the URDF; recordings that do not tell them have them by the names of their rows.
-fn joint_names(recording: &Recording) -> Vec<String> {
-    let told = recording.metadata.get("joints").and_then(|names| serde_json::from_str(names).ok());
+/// A flight as it was recorded, under this `M_bar` and with these joints.
+pub(super) fn as_recorded(
+    times_s: Vec<f64>,
+    instants: Vec<Instant>,
+    nominal_inertia: Option<Coords>,
+    joint_names: Vec<String>,
+) -> RecordedFlight {
+    RecordedFlight {
+        airborne: vec![true; instants.len()],
+        times_s,
+        instants,
+        effort: Effort::Recorded,
+        mass_kg: nominal_inertia.map_or(1.0, |inertia| inertia[0]),
+        acceleration: [Derivation::Recorded; 2],
+        airborne_above: 0.0,
+        nominal_inertia,
+        joint_names,
+    }
+}
+
+impl From<&Measurement> for Instant {
+    fn from(measurement: &Measurement) -> Self {
+        let all = |values: &Coords| std::array::from_fn(|row| Some(values[row]));
+        Self {
+            chi: all(&measurement.chi),
+            chi_dot: all(&measurement.chi_dot),
+            chi_ddot: all(&measurement.chi_ddot),
+            tau: all(&measurement.tau_applied),
+        }
+    }
+}
+
+/// The arm's joints by the names of the URDF, as the metadata `joints` tells them; recordings that do not tell them have them by
+/// the names of their rows.
+pub(super) fn joint_names(told: Option<&str>) -> Vec<String> {
+    let told = told.and_then(|names| serde_json::from_str(names).ok());
     told.unwrap_or_else(|| ROWS[N - ARM_ROWS..].iter().map(|row| (*row).to_owned()).collect())
 }
 
 /// `M_bar` of the gains that the recording says it was flown with, kg and kg m².
 pub fn recorded_nominal_inertia(recording: &Recording) -> Option<Coords> {
-    let gains: serde_json::Value = serde_json::from_str(recording.metadata.get("gains")?).ok()?;
+    nominal_inertia(recording.metadata.get("gains")?)
+}
+
+/// `M_bar` of gains as JSON, kg and kg m².
+pub(super) fn nominal_inertia(gains: &str) -> Option<Coords> {
+    let gains: serde_json::Value = serde_json::from_str(gains).ok()?;
     serde_json::from_value(gains.get("gains")?.get("nominal_inertia")?.clone()).ok()
 }

@@ -10,7 +10,10 @@ const GAP_PERIODS: f64 = 4.0;
 const BURST_SHARE: f64 = 0.25;
 
 /// Shortest and longest hole that may count as a gap, s.
-const GAP_RANGE_S: (f64, f64) = (0.05, 0.5);
+const GAP_RANGE_S: (f64, f64) = (0.05, LONGEST_HOLE_S);
+
+/// Any longer hole is a gap, s.
+pub(super) const LONGEST_HOLE_S: f64 = 0.5;
 
 /// What was found about the times of a series.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -143,6 +146,21 @@ impl<const D: usize> Series<D> {
         self.timing
     }
 
+    /// The same, but for gaps that reach into times of which nothing was read, s.
+    pub fn timing_read(&self, unread_s: &[(f64, f64)]) -> Timing {
+        if unread_s.is_empty() {
+            return self.timing;
+        }
+        let reaches =
+            |pair: &&[f64]| !unread_s.iter().any(|(from, to)| pair[0] < *to && pair[1] > *from);
+        let periods = || self.times_s.windows(2).filter(reaches).map(|pair| pair[1] - pair[0]);
+        Timing {
+            gaps: periods().filter(|period| *period > self.gap_s).count(),
+            longest_gap_s: periods().fold(0.0, f64::max),
+            ..self.timing
+        }
+    }
+
     /// First and last time, s.
     pub fn span(&self) -> Option<(f64, f64)> {
         Some((*self.times_s.first()?, *self.times_s.last()?))
@@ -244,6 +262,11 @@ impl Attitudes {
     /// What was found about its times.
     pub fn timing(&self) -> Timing {
         self.raw.timing
+    }
+
+    /// The same, but for gaps that reach into times of which nothing was read, s.
+    pub fn timing_read(&self, unread_s: &[(f64, f64)]) -> Timing {
+        self.raw.timing_read(unread_s)
     }
 
     /// First and last time, s.

@@ -5,7 +5,7 @@
 use nalgebra::{Quaternion, SVector, UnitQuaternion, Vector3};
 use serde::Serialize;
 
-use super::clock::{Timebase, common_ns, timebases};
+use super::clock::{Clock, Timebase, common_ns, timebases};
 use super::frames;
 use super::gather::{Gathered, Track};
 use super::series::{Attitudes, Series, Timing};
@@ -27,6 +27,9 @@ const REST_RANGE_RAD: f64 = 0.02;
 pub struct Used {
     /// Quantity.
     pub quantity: Quantity,
+    /// Number of the channel.
+    #[serde(skip)]
+    pub channel: u16,
     /// Topic.
     pub topic: String,
     /// Schema.
@@ -66,17 +69,29 @@ pub struct Signals {
     pub used: Vec<Used>,
     /// What was found and not used, and why.
     pub notes: Vec<String>,
+    /// Time zero on the common clock, ns.
+    pub start_ns: i64,
+    /// Where the body is in the measured frame.
+    pub body_from_marker: UnitQuaternion<f64>,
 }
 
 struct Chooser<'a> {
     tracks: &'a [Track],
     bases: Vec<Timebase>,
-    start_ns: i64,
+    /// What was chosen for the whole of a flight of which this is a part.
+    chosen: Option<&'a Signals>,
+    /// Times of which nothing was read, s: no gaps of the recording.
+    unread_s: &'a [(f64, f64)],
     signals: Signals,
 }
 
 /// Chooses and converts.
 pub fn signals(gathered: &Gathered) -> Signals {
+    signals_of(gathered, &[])
+}
+
+/// The same of stretches of a flight; nothing was read in the times between, ns on the log's clock.
+pub(super) fn signals_of(gathered: &Gathered, unread_ns: &[(u64, u64)]) -> Signals {
     let bases = timebases(&gathered.tracks);
     let start_ns = gathered
         .tracks
@@ -85,29 +100,65 @@ pub fn signals(gathered: &Gathered) -> Signals {
         .flat_map(|(track, base)| track.samples.iter().map(|sample| common_ns(sample, base)))
         .min()
         .unwrap_or(0);
-    let signals = Signals { notes: gathered.notes.clone(), ..Signals::default() };
-    let mut chooser = Chooser { tracks: &gathered.tracks, bases, start_ns, signals };
-    chooser.pose();
-    chooser.rates();
-    chooser.joints();
-    chooser.effort();
-    chooser.signals
+    let since_start = |ns: u64| i64::try_from(ns).unwrap_or(i64::MAX).saturating_sub(start_ns);
+    let unread_s: Vec<(f64, f64)> = unread_ns
+        .iter()
+        .map(|(from, to)| (since_start(*from) as f64 * 1e-9, since_start(*to) as f64 * 1e-9))
+        .collect();
+    let signals = Signals { notes: gathered.notes.clone(), start_ns, ..Signals::default() };
+    let tracks = &gathered.tracks;
+    Chooser { tracks, bases, chosen: None, unread_s: &unread_s, signals }.all()
+}
+
+/// A part of a flight, read from what was `chosen` for all of it.
+pub(super) fn signals_as(tracks: &[Track], chosen: &Signals) -> Signals {
+    let signals = Signals { start_ns: chosen.start_ns, ..Signals::default() };
+    let bases = bases_as(tracks, chosen);
+    Chooser { tracks, bases, chosen: Some(chosen), unread_s: &[], signals }.all()
+}
+
+/// The clock of each track as it was `chosen` for the whole flight.
+pub(super) fn bases_as(tracks: &[Track], chosen: &Signals) -> Vec<Timebase> {
+    let base = |track: &Track| {
+        let of_channel = || chosen.used.iter().filter(|used| used.channel == track.channel);
+        let used = of_channel().find(|u| u.quantity == track.quantity).or(of_channel().next());
+        used.map_or(Timebase { clock: Clock::Log, offset_ns: 0, latency_ms: 0.0 }, |used| used.time)
+    };
+    tracks.iter().map(base).collect()
 }
 
 impl Chooser<'_> {
+    fn all(mut self) -> Signals {
+        self.pose();
+        self.rates();
+        self.joints();
+        self.effort();
+        self.signals
+    }
+
     fn times(&self, number: usize) -> impl Iterator<Item = (f64, &[f64])> + '_ {
         let base = &self.bases[number];
         self.tracks[number].samples.iter().map(move |sample| {
-            let ns = common_ns(sample, base).saturating_sub(self.start_ns);
+            let ns = common_ns(sample, base).saturating_sub(self.signals.start_ns);
             (ns as f64 * 1e-9, sample.values.as_slice())
         })
     }
 
     /// The best track of a quantity.
     fn best(&self, wanted: Quantity) -> Option<usize> {
+        if let Some(chosen) = self.chosen {
+            let used = chosen.used.iter().find(|used| used.quantity == wanted)?;
+            let is_it = |t: &Track| t.quantity == wanted && t.channel == used.channel;
+            return self.tracks.iter().position(is_it);
+        }
         let rate = |number: usize| {
             let times: Vec<f64> = self.times(number).map(|(t_s, _)| t_s).collect();
-            let span_s = times.iter().copied().fold(f64::MIN, f64::max) - times.first()?;
+            let (first_s, last_s) =
+                (*times.first()?, times.iter().copied().fold(f64::MIN, f64::max));
+            let unread = self.unread_s.iter();
+            let unread_s: f64 =
+                unread.map(|(from, to)| (to.min(last_s) - from.max(first_s)).max(0.0)).sum();
+            let span_s = last_s - first_s - unread_s;
             (span_s > 0.0).then(|| times.len() as f64 / span_s)
         };
         let mut fits: Vec<(usize, f64)> = (0..self.tracks.len())
@@ -124,6 +175,7 @@ impl Chooser<'_> {
         let track = &self.tracks[number];
         self.signals.used.push(Used {
             quantity: track.quantity,
+            channel: track.channel,
             topic: track.topic.clone(),
             schema: track.schema.clone(),
             time: self.bases[number],
@@ -164,14 +216,15 @@ impl Chooser<'_> {
                 frames::body_vector(&v, track.rule.body)
             }
         });
-        if series.timing().samples < FEWEST_SAMPLES || series.all_zero() {
+        let unusable = series.timing().samples < FEWEST_SAMPLES || series.all_zero();
+        if unusable && self.chosen.is_none() {
             let topic = &self.tracks[number].topic;
             self.signals.notes.push(format!(
                 "{topic}: {wanted:?} is zero or not finite throughout and is not used"
             ));
             return None;
         }
-        self.note_use(number, series.timing());
+        self.note_use(number, series.timing_read(self.unread_s));
         Some(series)
     }
 
@@ -184,11 +237,14 @@ impl Chooser<'_> {
         let track = &self.tracks[number];
         let [roll, pitch, yaw] = track.rule.mount_rpy_deg.map(f64::to_radians);
         let marker = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
-        let mut attitudes = self.attitudes(number, &marker.inverse());
-        if track.rule.level_at_rest {
+        self.signals.body_from_marker =
+            self.chosen.map_or(marker.inverse(), |chosen| chosen.body_from_marker);
+        let mut attitudes = self.attitudes(number);
+        if track.rule.level_at_rest && self.chosen.is_none() {
             let note = match tilt_at_rest(&attitudes) {
                 Some(tilt) => {
-                    attitudes = self.attitudes(number, &(marker * tilt).inverse());
+                    self.signals.body_from_marker = (marker * tilt).inverse();
+                    attitudes = self.attitudes(number);
                     let (roll, pitch, _) = tilt.euler_angles();
                     format!(
                         "{}: tilted by roll {:.1}, pitch {:.1} degrees at rest, taken as the tilt of the measured frame",
@@ -205,7 +261,7 @@ impl Chooser<'_> {
             self.signals.notes.push(note);
         }
         let track = &self.tracks[number];
-        self.note_use(number, attitudes.timing());
+        self.note_use(number, attitudes.timing_read(self.unread_s));
         if attitudes.sign_flips > 0 {
             let note =
                 format!("{}: quaternion changed sign {} times", track.topic, attitudes.sign_flips);
@@ -214,9 +270,10 @@ impl Chooser<'_> {
         self.signals.attitude = Some(attitudes);
     }
 
-    /// Attitudes of the body, given where it is in the measured frame.
-    fn attitudes(&self, number: usize, body_from_marker: &UnitQuaternion<f64>) -> Attitudes {
+    /// Attitudes of the body.
+    fn attitudes(&self, number: usize) -> Attitudes {
         let track = &self.tracks[number];
+        let body_from_marker = &self.signals.body_from_marker;
         Attitudes::new(self.times(number).map(|(t_s, values)| {
             let q = if let (Quantity::Quaternion, [w, x, y, z]) = (track.quantity, values) {
                 let q = Quaternion::new(*w, *x, *y, *z);
@@ -247,7 +304,7 @@ impl Chooser<'_> {
     fn fast(&mut self, wanted: Quantity, in_world: bool) -> Option<Series<3>> {
         let series = self.vector(wanted, in_world)?;
         let rate_hz = series.timing().rate_hz;
-        if rate_hz >= GOOD_RATE_HZ {
+        if rate_hz >= GOOD_RATE_HZ || self.chosen.is_some() {
             return Some(series);
         }
         self.signals.used.retain(|used| used.quantity != wanted);
@@ -262,7 +319,7 @@ impl Chooser<'_> {
         let series = self.series(number, |_, values| {
             SVector::from_fn(|row: usize, _| values.get(row).copied().unwrap_or(0.0))
         });
-        self.note_use(number, series.timing());
+        self.note_use(number, series.timing_read(self.unread_s));
         self.signals.joints = Some((self.tracks[number].names.clone(), series));
     }
 
@@ -271,7 +328,7 @@ impl Chooser<'_> {
         self.signals.torque = self.vector(Quantity::Torque, false);
         if let Some(number) = self.best(Quantity::Battery) {
             let series = self.series(number, |_, v| SVector::from([first(v)]));
-            self.note_use(number, series.timing());
+            self.note_use(number, series.timing_read(self.unread_s));
             self.signals.battery = Some(series);
         }
         for wanted in [Quantity::Thrust, Quantity::Motors, Quantity::Collective] {
@@ -287,7 +344,7 @@ impl Chooser<'_> {
                 };
                 SVector::from([along_z])
             });
-            self.note_use(number, series.timing());
+            self.note_use(number, series.timing_read(self.unread_s));
             self.signals.thrust = Some((wanted, series));
         }
     }

@@ -9,6 +9,7 @@ use mcap::records::{MessageHeader, Record};
 use serde::Serialize;
 
 use super::container::{self, ContainerError, Findings};
+use super::index::{Definitions, Index};
 use super::topics::{Map, Quantity};
 
 /// One channel.
@@ -24,7 +25,7 @@ pub struct ChannelInfo {
     pub messages: u64,
     /// Mean messages per second by log time.
     pub rate_hz: f64,
-    /// Longest time between two messages, s.
+    /// Longest time between two messages, s; NaN if not every message was read.
     pub longest_gap_s: f64,
     /// Log time of the first message, s since the epoch of the recorder.
     pub first_s: f64,
@@ -126,6 +127,30 @@ impl Survey {
         let mut collector = Collector::default();
         let container = container::read(input, &mut |record| collector.take(record))?;
         Ok(Self::new(container, collector))
+    }
+
+    /// What the index of a file says: numbers of messages, and for all channels the times of the whole file.
+    pub(super) fn of_index(index: &Index) -> Self {
+        let span_ns = index.span_ns().unwrap_or((0, 0));
+        let (definitions, counts) = (&index.table.definitions, &index.table.counts);
+        Self::of_definitions(definitions, counts, span_ns, index.table.findings.clone())
+    }
+
+    /// The same of definitions and numbers of messages per channel.
+    pub(super) fn of_definitions(
+        definitions: &Definitions,
+        counts: &BTreeMap<u16, u64>,
+        (first_ns, last_ns): (u64, u64),
+        findings: Findings,
+    ) -> Self {
+        let mut collector = Collector::default();
+        definitions.records(&mut |record| collector.take(record));
+        for (number, (info, _)) in &mut collector.channels {
+            info.messages = counts.get(number).copied().unwrap_or(0);
+            (info.first_s, info.last_s) = (first_ns as f64 * NS, last_ns as f64 * NS);
+            info.longest_gap_s = f64::NAN;
+        }
+        Self::new(findings, collector)
     }
 
     fn new(mut container: Findings, collector: Collector) -> Self {

@@ -3,6 +3,7 @@
 //! In: TOML. Out: a [`Map`]; the first rule that fits a channel says what its messages give. Earlier rules are better sources.
 
 use std::collections::BTreeMap;
+use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
 
@@ -18,6 +19,13 @@ pub const SHIPPED: [(&str, &str); 3] = [
     ("crazyflie", include_str!("maps/crazyflie.toml")),
     ("px4_arm", include_str!("maps/px4_arm.toml")),
 ];
+
+/// The same, parsed once.
+static GENERIC_MAP: LazyLock<Result<Map, MapError>> =
+    LazyLock::new(|| Map::parse(GENERIC, "generic map"));
+static SHIPPED_MAPS: LazyLock<Vec<(&str, Map)>> = LazyLock::new(|| {
+    SHIPPED.iter().filter_map(|(name, text)| Some((*name, Map::parse(text, name).ok()?))).collect()
+});
 
 /// Which messages give what, and what is known about the vehicle.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
@@ -276,22 +284,24 @@ impl Map {
     /// [`MapError`] if the generic rules are broken.
     pub fn over_generic(own: Self) -> Result<Self, MapError> {
         let mut map = own;
-        map.topic.extend(Self::parse(GENERIC, "generic map")?.topic);
+        match &*GENERIC_MAP {
+            Ok(generic) => map.topic.extend(generic.topic.iter().cloned()),
+            Err(_) => return Self::parse(GENERIC, "generic map"),
+        }
         Ok(map)
     }
 
     /// The shipped map whose family a recording with these topics belongs to.
     pub fn detect(topics: &[&str]) -> Option<&'static str> {
-        SHIPPED.iter().map(|(name, _)| *name).find(|name| {
-            let wanted = Self::shipped(name).map(|map| map.detect).unwrap_or_default();
-            topics.iter().any(|topic| wanted.iter().any(|pattern| glob(pattern, topic)))
-        })
+        let fits = |map: &Self| {
+            topics.iter().any(|topic| map.detect.iter().any(|pattern| glob(pattern, topic)))
+        };
+        SHIPPED_MAPS.iter().find(|(_, map)| fits(map)).map(|(name, _)| *name)
     }
 
     /// The shipped map of that name.
     pub fn shipped(name: &str) -> Option<Self> {
-        let (name, text) = SHIPPED.iter().find(|(known, _)| *known == name)?;
-        Self::parse(text, name).ok()
+        SHIPPED_MAPS.iter().find(|(known, _)| *known == name).map(|(_, map)| map.clone())
     }
 
     /// The first rule for a channel, with its number.

@@ -51,6 +51,8 @@ pub struct Flown {
     pub verdict: Verdict,
     /// Why.
     pub reason: String,
+    #[serde(skip)]
+    score: Score,
 }
 
 /// Flies `scenario` with the weights of `file`, overridden by `overrides`, and scores the base forecast.
@@ -61,7 +63,7 @@ pub fn fly(scenario: &Path, file: &Path, overrides: &[String]) -> Result<Flown, 
     // Relative to where the command runs, not to the scenario.
     let path = std::path::absolute(file).map_err(|error| unusable(file, &error))?;
     let mut all = vec![
-        "predictor.kind=\"fdt\"".to_owned(),
+        "predictor.kind=\"trained\"".to_owned(),
         format!("predictor.weights={:?}", path.display().to_string()),
         "predictor.force=true".to_owned(),
         "gains.adapter_on=0.0".to_owned(),
@@ -76,9 +78,8 @@ pub fn fly(scenario: &Path, file: &Path, overrides: &[String]) -> Result<Flown, 
         let tick = flight.tick();
         score.add(&tick);
         if let Some((verdict, reason)) = judge.watch(&tick) {
-            let r2_rows = score.rows();
-            let r2 = r2_rows.iter().sum::<f64>() / N as f64;
-            return Ok(Flown { scenario: scenario.name, r2, r2_rows, verdict, reason });
+            let (r2, r2_rows) = (score.mean(), score.rows());
+            return Ok(Flown { scenario: scenario.name, r2, r2_rows, verdict, reason, score });
         }
     }
 }
@@ -88,6 +89,13 @@ impl Flown {
     pub fn figure(&self) -> Option<f64> {
         (self.verdict == Verdict::Completed && self.r2.is_finite()).then_some(self.r2)
     }
+}
+
+/// R² over all ticks of `flights` together, mean over rows and per row; `None` unless every flight was completed.
+pub fn together(flights: &[Flown]) -> Option<(f64, [f64; N])> {
+    let complete = !flights.is_empty() && flights.iter().all(|flown| flown.figure().is_some());
+    let score = flights.iter().fold(Score::default(), |sum, flown| sum.and(&flown.score));
+    complete.then(|| (score.mean(), score.rows()))
 }
 
 /// Writes the figures into the head of `file`.
@@ -109,7 +117,7 @@ fn unusable(file: &Path, error: &std::io::Error) -> AcceptanceError {
 }
 
 /// Sums for the coefficient of determination of each row.
-#[derive(Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 struct Score {
     count: f64,
     sum: Coords,
@@ -128,6 +136,19 @@ impl Score {
         self.sum += tick.residual;
         self.squares += tick.residual.component_mul(&tick.residual);
         self.errors += error.component_mul(&error);
+    }
+
+    fn and(self, other: &Self) -> Self {
+        Self {
+            count: self.count + other.count,
+            sum: self.sum + other.sum,
+            squares: self.squares + other.squares,
+            errors: self.errors + other.errors,
+        }
+    }
+
+    fn mean(&self) -> f64 {
+        self.rows().iter().sum::<f64>() / N as f64
     }
 
     /// `1 - sum (r - base)^2 / sum (r - mean r)^2` per row; NaN without ticks.

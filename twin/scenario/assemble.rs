@@ -172,7 +172,9 @@ fn start(settings: &Settings, arm: &Arm) -> Result<Start, BuildError> {
 /// What is known of the predictor before it predicts; only weights know more than the default.
 pub(super) fn predictor_info(scenario: &Scenario) -> Result<PredictorInfo, BuildError> {
     match scenario.settings.predictor.kind {
-        PredictorKind::Fdt => Ok(trained::fdt(scenario, &tuning(&scenario.settings)?)?.info()),
+        PredictorKind::Fdt | PredictorKind::Trained => {
+            Ok(trained::predictor(scenario, &tuning(&scenario.settings)?)?.info())
+        }
         _ => Ok(PredictorInfo::default()),
     }
 }
@@ -184,7 +186,7 @@ fn predictor(
 ) -> Result<Box<dyn Predictor>, BuildError> {
     let settings = &scenario.settings;
     Ok(match settings.predictor.kind {
-        PredictorKind::Fdt => Box::new(trained::fdt(scenario, tuning)?),
+        PredictorKind::Fdt | PredictorKind::Trained => trained::predictor(scenario, tuning)?,
         PredictorKind::None => Box::new(NoPrediction),
         PredictorKind::Gravity => Box::new(Gravity::new(gravity())),
         PredictorKind::Persistence => Box::new(Persistence),

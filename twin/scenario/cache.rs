@@ -58,7 +58,8 @@ impl Cache {
         hash.update(scenario.urdf_text().ok()?);
         let predictor = &scenario.settings.predictor;
         // Weights the program was built with are part of the program.
-        if predictor.kind == PredictorKind::Fdt && predictor.weights != "default" {
+        let trained = matches!(predictor.kind, PredictorKind::Fdt | PredictorKind::Trained);
+        if trained && predictor.weights != "default" {
             hash.update(sha256_of(&scenario.folder().join(&predictor.weights)).ok()?);
         }
         let name = hash.finalize().iter().fold(String::new(), |mut text, byte| {

@@ -211,6 +211,8 @@ pub enum PredictorKind {
     RandomFeatures,
     /// The Factorized Dynamics Transformer.
     Fdt,
+    /// Whatever model the file of weights is of.
+    Trained,
 }
 
 /// Unit of the innovation.

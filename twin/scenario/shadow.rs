@@ -13,13 +13,12 @@ use super::shadow_score::{Score, Scored};
 use crate::control::{Adaptive, Allocation, Gains, Preset, Rotor, Rows};
 use crate::filter::LowPass;
 use crate::flight::{Flight, Parts};
-use crate::mirror::{RecordedFlight, RecordedSource};
+use crate::mirror::film::{Cursor, Film, Nominal};
+use crate::mirror::{OpenedFlight, RecordedFlight, RecordedSource};
 use crate::notation::{Coords, GRAVITY_M_S2, N, ROWS, TICK_S};
 use crate::residual::{Predictor, RandomFeatures, lra};
 use crate::task::{Step, Task, View};
-use crate::tick::{
-    Adaptation, Event, EventKind, GripperCommand, Measurement, Reference, Setpoint, Tick,
-};
+use crate::tick::{Adaptation, Event, EventKind, GripperCommand, Reference, Setpoint, Tick};
 use crate::tuning::Tuning;
 
 /// What predicts, for people.
@@ -73,15 +72,23 @@ pub struct ShadowReport {
 /// A recorded flight that can be flown in shadow from any of its ticks.
 #[derive(Clone, Debug)]
 pub struct Shadow {
-    measurements: Arc<[Measurement]>,
-    /// Per tick and row: the residual is known, in the air.
-    counts: Arc<[[bool; N]]>,
+    film: Arc<Film>,
     nominal: Coords,
     scale: Coords,
     tuning: Tuning,
 }
 
 impl Shadow {
+    /// Of an opened recording: whole, or read as it is flown; then its scale is that of the stretches that were read.
+    pub fn of(opened: &OpenedFlight) -> Self {
+        let inertia_kg_m2 = opened.map.vehicle.inertia_kg_m2;
+        let whole = Self::new(&opened.recorded, inertia_kg_m2);
+        let Some(footage) = &opened.long else { return whole };
+        let inertia = whole.tuning.gains.nominal_inertia;
+        let film = Film::of(footage, Nominal { residual: whole.nominal, inertia });
+        Self { film: Arc::new(film), ..whole }
+    }
+
     /// `inertia_kg_m2` about the body axes where it is known.
     pub fn new(recorded: &RecordedFlight, inertia_kg_m2: Option<[f64; 3]>) -> Self {
         let mut gains = Gains::preset(Preset::Paper);
@@ -94,18 +101,16 @@ impl Shadow {
         gains.nominal_inertia = recorded.nominal_inertia.unwrap_or(gains.nominal_inertia);
         let mut nominal = Coords::zeros();
         nominal[2] = recorded.mass_kg * GRAVITY_M_S2;
-        let counts: Vec<[bool; N]> = (0..recorded.instants.len())
-            .map(|tick| std::array::from_fn(|row| recorded.residual_counts(tick, row)))
-            .collect();
-        let measurements = recorded.measurements(&nominal, &gains.nominal_inertia);
-        let scale = scale(&measurements, &counts, &gains.nominal_inertia);
+        let inertia = gains.nominal_inertia;
+        let film = Arc::new(Film::whole(recorded, &Nominal { residual: nominal, inertia }));
+        let scale = scale(&film, &inertia);
         let tuning = Tuning { gains, adapter: lra::Settings::default() };
-        Self { measurements: measurements.into(), counts: counts.into(), nominal, scale, tuning }
+        Self { film, nominal, scale, tuning }
     }
 
     /// Ticks of the recording.
     pub fn ticks(&self) -> usize {
-        self.measurements.len()
+        self.film.ticks()
     }
 
     /// The values in force at the start.
@@ -118,14 +123,14 @@ impl Shadow {
         &self.scale
     }
 
-    /// Whether the residual of each row is known in the air at `tick`.
-    pub fn counts(&self, tick: usize) -> [bool; N] {
-        self.counts.get(tick).copied().unwrap_or([false; N])
+    /// The recording, tick by tick.
+    pub fn film(&self) -> &Arc<Film> {
+        &self.film
     }
 
     /// The flight from tick `first` on; `None` beyond the end.
     pub fn flight(&self, first: usize, tuning: &Tuning) -> Option<Flight> {
-        let source = RecordedSource::new(Arc::clone(&self.measurements), first)?;
+        let source = RecordedSource::new(&self.film, first)?;
         Some(Flight::starting_at(self.parts(source, first, tuning), first as u64))
     }
 
@@ -147,11 +152,7 @@ impl Shadow {
             adapter,
             controller: Box::new(Adaptive::default()),
             rows,
-            task: Box::new(Watch::new(
-                Arc::clone(&self.counts),
-                first,
-                self.tuning.gains.nominal_inertia,
-            )),
+            task: Box::new(Watch::new(&self.film, first, self.tuning.gains.nominal_inertia)),
             gravity: Box::new(move |_| nominal),
             setpoint: Setpoint {
                 force_in_world_n: Vector3::new(0.0, 0.0, nominal[2]),
@@ -180,45 +181,57 @@ pub fn shadow(
     inertia_kg_m2: Option<[f64; 3]>,
     watch: &mut dyn FnMut(&Tick),
 ) -> Option<ShadowReport> {
-    let shadow = Shadow::new(recorded, inertia_kg_m2);
-    let mut flight = shadow.flight(0, &shadow.tuning)?;
-    let mut score = Score::new(shadow.scale);
-    let (mut resets_s, mut fault_ticks) = (Vec::new(), 0);
-    for known in shadow.counts.iter() {
-        let tick = flight.tick();
-        if tick.adapted.reset {
-            resets_s.push(tick.measurement.t_s);
+    Shadow::new(recorded, inertia_kg_m2).fly(watch)
+}
+
+impl Shadow {
+    /// Flies to the end; `None` if there is no tick.
+    pub fn fly(&self, watch: &mut dyn FnMut(&Tick)) -> Option<ShadowReport> {
+        let mut flight = self.flight(0, &self.tuning)?;
+        let mut cursor = Cursor::new(&self.film);
+        let mut score = Score::new(self.scale);
+        let (mut resets_s, mut fault_ticks) = (Vec::new(), 0);
+        let (mut airborne_ticks, mut held_ticks) = (0, 0);
+        for index in 0..self.ticks() {
+            let tick = flight.tick();
+            if tick.adapted.reset {
+                resets_s.push(tick.measurement.t_s);
+            }
+            fault_ticks += usize::from(tick.fault.is_some());
+            if let Some(frame) = cursor.frame(index) {
+                airborne_ticks += usize::from(frame.airborne);
+                held_ticks += usize::from(!frame.counts.contains(&true));
+                score.add(&tick, frame.coordinates, frame.counts);
+            }
+            watch(&tick);
         }
-        fault_ticks += usize::from(tick.fault.is_some());
-        score.add(&tick, *known);
-        watch(&tick);
+        Some(ShadowReport {
+            predictor: PREDICTOR,
+            ticks: self.ticks(),
+            flight_s: self.ticks() as f64 * TICK_S,
+            airborne_ticks,
+            held_ticks,
+            resets_s,
+            fault_ticks,
+            scored: score.finish(self.ticks()),
+            state_hash: format!("{:016x}", flight.state_hash()),
+        })
     }
-    Some(ShadowReport {
-        predictor: PREDICTOR,
-        ticks: shadow.ticks(),
-        flight_s: shadow.ticks() as f64 * TICK_S,
-        airborne_ticks: recorded.airborne.iter().filter(|flies| **flies).count(),
-        held_ticks: shadow.counts.iter().filter(|rows| !rows.contains(&true)).count(),
-        resets_s,
-        fault_ticks,
-        scored: score.finish(recorded),
-        state_hash: format!("{:016x}", flight.state_hash()),
-    })
 }
 
 /// Standard deviation of the residual per row over the flight: the unit of the adapter's innovation.
-fn scale(
-    measurements: &[crate::tick::Measurement],
-    known: &[[bool; N]],
-    nominal_inertia: &Coords,
-) -> Coords {
+fn scale(film: &Arc<Film>, nominal_inertia: &Coords) -> Coords {
+    let mut cursor = Cursor::new(film);
+    let mut residuals: [Vec<f64>; N] = Default::default();
+    for tick in 0..film.ticks() {
+        let Some(frame) = cursor.frame(tick) else { continue };
+        let m = &frame.measurement;
+        for row in (0..N).filter(|row| frame.counts[*row]) {
+            residuals[row].push(m.tau_applied[row] - nominal_inertia[row] * m.chi_ddot[row]);
+        }
+    }
     Coords::from_fn(|row, _| {
-        let values: Vec<f64> = measurements
-            .iter()
-            .zip(known)
-            .filter(|(_, known)| known[row])
-            .map(|(m, _)| m.tau_applied[row] - nominal_inertia[row] * m.chi_ddot[row])
-            .collect();
+        let values = &residuals[row];
         let n = values.len().max(1) as f64;
         let mean = values.iter().sum::<f64>() / n;
         let std = (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt();
@@ -228,7 +241,9 @@ fn scale(
 
 /// Flies nothing: the reference is where the vehicle was expected, and adaptation is held where nothing is known.
 struct Watch {
-    counts: Arc<[[bool; N]]>,
+    cursor: Cursor,
+    /// Ticks of the flight; none of one that still goes on.
+    ticks: Option<usize>,
     next: usize,
     nominal_inertia: Coords,
     residual: LowPass<N>,
@@ -245,9 +260,10 @@ struct Known {
 }
 
 impl Watch {
-    fn new(counts: Arc<[[bool; N]]>, first: usize, nominal_inertia: Coords) -> Self {
+    fn new(film: &Arc<Film>, first: usize, nominal_inertia: Coords) -> Self {
         Self {
-            counts,
+            cursor: Cursor::new(film),
+            ticks: (!film.is_live()).then(|| film.ticks()),
             next: first,
             nominal_inertia,
             residual: LowPass::new(),
@@ -283,7 +299,7 @@ impl Watch {
 
 impl Task for Watch {
     fn update(&mut self, view: &View<'_>, _dt_s: f64) -> Step {
-        let counts = self.counts.get(self.next).copied().unwrap_or([false; N]);
+        let counts = self.cursor.frame(self.next).map_or([false; N], |frame| frame.counts);
         let held = !counts.contains(&true);
         self.next += 1;
         let text = if held { UNKNOWN } else { MIRRORED };
@@ -304,7 +320,7 @@ impl Task for Watch {
             },
             phase: if held { "unknown" } else { "mirrored" },
             events: news.into_iter().collect(),
-            finished: self.next >= self.counts.len(),
+            finished: self.ticks.is_some_and(|ticks| self.next >= ticks),
             gave_up: None,
         }
     }

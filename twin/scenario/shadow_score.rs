@@ -8,7 +8,6 @@ use std::collections::VecDeque;
 use serde::Serialize;
 
 use super::shadow::unit;
-use crate::mirror::RecordedFlight;
 use crate::notation::{Coords, N, ROWS};
 use crate::residual::HORIZON;
 use crate::tick::Tick;
@@ -85,6 +84,8 @@ struct Pending {
 /// Collects tick by tick.
 pub(super) struct Score {
     scale: Coords,
+    /// Ticks at which the coordinate of a row is known.
+    coordinates: [usize; N],
     rows: [Sum; N],
     squares: [[f64; 2]; HORIZON + 1],
     samples: [usize; HORIZON + 1],
@@ -97,6 +98,7 @@ impl Score {
     pub(super) fn new(scale: Coords) -> Self {
         Self {
             scale,
+            coordinates: [0; N],
             rows: [EMPTY; N],
             squares: [[0.0; 2]; HORIZON + 1],
             samples: [0; HORIZON + 1],
@@ -105,9 +107,13 @@ impl Score {
         }
     }
 
-    /// One tick and which of its residual's rows are known.
-    pub(super) fn add(&mut self, tick: &Tick, known: [bool; N]) {
+    /// One tick, which of its coordinates and which of its residual's rows are known.
+    pub(super) fn add(&mut self, tick: &Tick, coordinates: [bool; N], known: [bool; N]) {
         let r = tick.residual;
+        self.coordinates
+            .iter_mut()
+            .zip(coordinates)
+            .for_each(|(n, known)| *n += usize::from(known));
         for row in (0..N).filter(|row| known[*row]) {
             let sum = &mut self.rows[row];
             sum.count += 1.0;
@@ -141,16 +147,15 @@ impl Score {
         self.last = Some((r, known));
     }
 
-    /// The tables.
-    pub(super) fn finish(self, recorded: &RecordedFlight) -> Scored {
-        let ticks = recorded.instants.len().max(1) as f64;
+    /// The tables of a flight of so many ticks.
+    pub(super) fn finish(self, ticks: usize) -> Scored {
+        let ticks = ticks.max(1) as f64;
         let rows = (0..N).map(|row| {
             let sum = self.rows[row];
-            let known = recorded.instants.iter().filter(|i| i.chi[row].is_some()).count() as f64;
             let mean = sum.total / sum.count.max(1.0);
             RowReport {
                 row: ROWS[row],
-                coordinate_known: known / ticks,
+                coordinate_known: self.coordinates[row] as f64 / ticks,
                 residual_known: sum.count / ticks,
                 residual: (sum.count > 0.0).then(|| ResidualReport {
                     unit: unit(row),

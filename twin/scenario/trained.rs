@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
+use super::settings::PredictorKind;
 use super::{BuildError, Scenario};
 use crate::notation::{ROWS, TICK_S};
-use crate::residual::Fdt;
 use crate::residual::nn::Precision;
 use crate::residual::nn::kernels::Kernel;
 use crate::residual::weights::{Head, SHIPPED, Weights};
+use crate::residual::{Predictor, trained};
 use crate::tuning::Tuning;
 
 /// The word for the weights the program was built with.
@@ -16,14 +17,19 @@ const DEFAULT: &str = "default";
 /// From this width on a network reads more weights than a core's cache holds, and `auto` rounds them to half the memory.
 const WIDE: usize = 256;
 
-/// The Factorized Dynamics Transformer a scenario names.
-pub(super) fn fdt(scenario: &Scenario, tuning: &Tuning) -> Result<Fdt, BuildError> {
+/// The trained predictor that a scenario names: the FDT, or with `trained` any model.
+pub(super) fn predictor(
+    scenario: &Scenario,
+    tuning: &Tuning,
+) -> Result<Box<dyn Predictor>, BuildError> {
     let settings = &scenario.settings;
     let name = &settings.predictor.weights;
     let weights = read(scenario.folder(), name)?;
     let unusable = |error| BuildError::Weights { file: name.clone(), error };
     let rate_hz = 1.0 / (TICK_S * f64::from(settings.controller.outer_divisor.max(1)));
-    weights.head.check_model("fdt").map_err(unusable)?;
+    if settings.predictor.kind == PredictorKind::Fdt {
+        weights.head.check_model("fdt").map_err(unusable)?;
+    }
     weights.head.check_channels().map_err(unusable)?;
     weights.head.check_loop(&tuning.gains.nominal_inertia, rate_hz).map_err(unusable)?;
     fits_vehicle(&weights.head, settings.vehicle.arm_joints.len())?;
@@ -32,7 +38,8 @@ pub(super) fn fdt(scenario: &Scenario, tuning: &Tuning) -> Result<Fdt, BuildErro
     }
     let width = weights.head.config.get("d_model").and_then(serde_json::Value::as_u64);
     let (kernel, precision) = arithmetic(&settings.predictor.kernel, width.unwrap_or(0) as usize)?;
-    Fdt::new(&weights, kernel, precision).map_err(unusable)
+    let trained = trained::predictor(&weights, kernel, precision).map_err(unusable)?;
+    Ok(trained.predictor)
 }
 
 /// The weights called `name`, a path relative to `folder` or [`DEFAULT`].
@@ -46,13 +53,7 @@ fn read(folder: &Path, name: &str) -> Result<Weights, BuildError> {
         })?;
         return Weights::from_bytes(&bytes).map_err(unusable);
     }
-    let bytes = SHIPPED.ok_or_else(|| BuildError::Unfit {
-        key: "predictor.weights",
-        reason:
-            "this program was built without weights; train some with `twin train` and name the file"
-                .to_owned(),
-    })?;
-    Weights::from_bytes(bytes).map_err(unusable)
+    Weights::from_bytes(SHIPPED).map_err(unusable)
 }
 
 /// A vehicle with fewer joints has no readings for the channels of the others.
@@ -82,7 +83,7 @@ fn accepted(head: &Head, name: &str) -> Result<(), BuildError> {
     Err(BuildError::Unfit {
         key: "predictor.weights",
         reason: format!(
-            "{name} is not accepted: {figures}, both must be above {}; measure with `twin evaluate acceptance`, or fly it all the same with --force-weights (predictor.force = true)",
+            "{name} is not accepted: {figures}; needed is above {}; measure with `twin evaluate acceptance`, or fly it all the same with --force-weights (predictor.force = true)",
             crate::residual::weights::Acceptance::LEAST_R2
         ),
     })

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use crate::mirror::OpenedFlight;
-use crate::notation::{N, ROWS, TICK_S};
+use crate::mirror::{Live, OpenedFlight};
+use crate::notation::{ROWS, TICK_S};
 use crate::scenario::Shadow;
 use crate::scenario::shadow::{GHOST_TICKS, PREDICTOR};
 use crate::server::logbook::Logbook;
@@ -18,6 +18,9 @@ use crate::server::{ServerError, launch};
 /// A seek flies the shadow from so many ticks before: the adapter forgets within a second, and the charts have a past.
 const WARM_UP_TICKS: usize = 1000;
 
+/// A flight that still goes on is played so far behind its newest tick, which come a few at a time.
+const BEHIND_TICKS: usize = 6;
+
 /// Groups of channels that nobody acts in: a recorded vehicle has its own controller.
 const NOT_IN_FORCE: [&str; 4] = ["robust", "actuators", "gripper", "world"];
 
@@ -25,6 +28,8 @@ const NOT_IN_FORCE: [&str; 4] = ["robust", "actuators", "gripper", "world"];
 pub struct MirrorOptions {
     /// The recording.
     pub opened: OpenedFlight,
+    /// Where it comes from, if it still goes on.
+    pub live: Option<Live>,
     /// Where to listen: a loopback name or address.
     pub host: String,
     /// Where to listen; 0 takes any free port.
@@ -54,7 +59,7 @@ pub fn serve_mirror(options: MirrorOptions) -> Result<(), ServerError> {
 /// # Errors
 /// [`ServerError`] if it cannot start.
 pub fn spawn_mirror(options: MirrorOptions) -> Result<Running, ServerError> {
-    let mirrored = Arc::new(Mirrored::new(&options.opened));
+    let mirrored = Arc::new(Mirrored::new(&options.opened, options.live.map(Arc::new)));
     let tuning = *mirrored.shadow.tuning();
     let orders = Orders {
         mission: Mission::Mirror { mirrored, start_s: options.start_s },
@@ -83,21 +88,22 @@ pub(super) struct Mirrored {
     pub name: String,
     /// The file.
     pub path: PathBuf,
-    /// Per tick and row: the coordinate is known.
-    coordinates: Vec<[bool; N]>,
+    /// Where it comes from, if it still goes on, and what it was when it was opened.
+    live: Option<(Arc<Live>, u64)>,
 }
 
 impl Mirrored {
     /// What is kept of an opened recording.
-    pub(super) fn new(opened: &OpenedFlight) -> Self {
+    pub(super) fn new(opened: &OpenedFlight, live: Option<Arc<Live>>) -> Self {
+        let live = live.map(|live| {
+            let generation = live.generation();
+            (live, generation)
+        });
         let recorded = &opened.recorded;
-        let shadow = Shadow::new(recorded, opened.map.vehicle.inertia_kg_m2);
-        let coordinates: Vec<[bool; N]> =
-            recorded.instants.iter().map(|i| i.chi.map(|value| value.is_some())).collect();
-        let unknown = ROWS
-            .iter()
-            .enumerate()
-            .filter(|(row, _)| !(0..shadow.ticks()).any(|tick| shadow.counts(tick)[*row]));
+        let shadow = Shadow::of(opened);
+        let known =
+            |row: usize| (0..recorded.instants.len()).any(|t| recorded.residual_counts(t, row));
+        let unknown = ROWS.iter().enumerate().filter(|(row, _)| !known(*row));
         let vehicle = &opened.map.vehicle.name;
         let vehicle = if vehicle.is_empty() { "unknown vehicle" } else { vehicle };
         let joints = match &recorded.joint_names[..] {
@@ -106,7 +112,7 @@ impl Mirrored {
         };
         let force = opened.force_sentence();
         let info = MirrorInfo {
-            file: opened.name(),
+            file: live.as_ref().map_or_else(|| opened.name(), |(live, _)| live.name().to_owned()),
             map: opened.map_name.clone(),
             vehicle: vehicle.to_owned(),
             stand_in: format!("a plain quadrotor is drawn for the vehicle, {joints}"),
@@ -123,14 +129,40 @@ impl Mirrored {
             unknown_rows: unknown.map(|(_, row)| (*row).to_owned()).collect(),
             ticks: shadow.ticks() as u64,
             duration_s: shadow.ticks() as f64 * TICK_S,
+            live: live.is_some(),
             notes: [&opened.survey.container.problems[..], &opened.signals.notes[..]].concat(),
         };
-        Self { info, shadow, name: opened.name(), path: opened.path.clone(), coordinates }
+        Self { info, shadow, name: opened.name(), path: opened.path.clone(), live }
+    }
+
+    /// The stream anew, if there is more to know of it.
+    pub(super) fn renewed(&self) -> Option<Self> {
+        let (live, generation) = self.live.as_ref()?;
+        if live.generation() == *generation {
+            return None;
+        }
+        Some(Self::new(&live.opened()?, Some(Arc::clone(live))))
+    }
+
+    /// It still goes on.
+    pub(super) fn is_live(&self) -> bool {
+        self.live.is_some()
+    }
+
+    /// It should go on, and nothing comes.
+    pub(super) fn is_lost(&self) -> bool {
+        self.live.as_ref().is_some_and(|(live, _)| !live.is_up())
+    }
+
+    /// What happened to the stream since the last call, a sentence each.
+    pub(super) fn news(&self) -> Vec<String> {
+        self.live.as_ref().map_or_else(Vec::new, |(live, _)| live.news())
     }
 
     /// The tick at `t_s` of the recording, inside it.
     pub(super) fn tick_at(&self, t_s: f64) -> usize {
-        let last = self.shadow.ticks().saturating_sub(1);
+        let behind = if self.is_live() { BEHIND_TICKS } else { 0 };
+        let last = self.shadow.ticks().saturating_sub(1 + behind);
         ((t_s / TICK_S).round().max(0.0) as usize).min(last)
     }
 
@@ -144,13 +176,12 @@ impl Mirrored {
 
     /// Position and attitude are known at `tick`.
     pub(super) fn is_seen(&self, tick: usize) -> bool {
-        self.coordinates.get(tick).is_some_and(|known| known[..6].iter().all(|known| *known))
+        self.shadow.film().known(tick).0[..6].iter().all(|known| *known)
     }
 
     /// `row` of telemetry with everything that is not known at `tick` as NaN.
     pub(super) fn mask(&self, infos: &[ChannelInfo], row: &[f32], tick: usize) -> Arc<[f32]> {
-        let coordinates = self.coordinates.get(tick).copied().unwrap_or([false; N]);
-        let residuals = self.shadow.counts(tick);
+        let (coordinates, residuals) = self.shadow.film().known(tick);
         let known = |info: &ChannelInfo| {
             let index =
                 info.row.as_ref().and_then(|row| ROWS.iter().position(|known| known == row));

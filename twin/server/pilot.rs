@@ -1,6 +1,8 @@
 //! The one thread that flies: it takes requests between two ticks and publishes each tick. It waits for the clock, and
 //! for nothing and nobody else: no socket, no disk, no watcher.
 
+mod recording;
+
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
@@ -22,6 +24,12 @@ use crate::tick::{EventKind, Tick};
 
 /// The state is published at least this often, and the thread looks at its requests at least this often.
 const STATE_PERIOD: Duration = Duration::from_millis(400);
+
+/// The same of a flight that still goes on: that its stream is lost is said within half a second.
+const LIVE_STATE_PERIOD: Duration = Duration::from_millis(100);
+
+/// A flight that still goes on is looked at again after so long for its next tick.
+const EDGE_PATIENCE: Duration = Duration::from_millis(5);
 
 /// Where to start and what else can be flown.
 pub(super) struct Orders {
@@ -129,10 +137,14 @@ impl Pilot {
             self.apply_changes();
             if self.warm_up > 0 {
                 self.warm_up();
-            } else if self.is_flying() && (self.steps > 0 || self.pace.wait(now()).is_zero()) {
+            } else if self.is_flying()
+                && !self.is_ahead()
+                && (self.steps > 0 || self.pace.wait(now()).is_zero())
+            {
                 self.tick();
             }
             if now() >= self.state_due {
+                self.attend();
                 self.publish_state();
             }
         }
@@ -160,6 +172,7 @@ impl Pilot {
         let state = self.state_due.saturating_duration_since(now);
         match (self.is_flying(), self.steps) {
             (false, _) => state,
+            _ if self.is_ahead() => EDGE_PATIENCE.min(state),
             (true, 0) => self.pace.wait(now).min(state),
             (true, _) => Duration::ZERO,
         }
@@ -266,27 +279,6 @@ impl Pilot {
         });
     }
 
-    /// The last tick of a recording is flown.
-    fn is_at_end(&self) -> bool {
-        let ticks = self.sortie.mirrored.as_ref().map(|mirrored| mirrored.shadow.ticks() as u64);
-        ticks.is_some_and(|ticks| self.sortie.next_tick >= ticks)
-    }
-
-    /// Goes to a time of the recording, with the gains in force.
-    fn seek(&mut self, t_s: f64, client: Option<u64>) {
-        let Some(mirrored) = self.sortie.mirrored.clone() else { return };
-        let (first, warm_up) = mirrored.run_up(t_s);
-        match Sortie::mirror(&mirrored, first, self.sortie.flight.tuning()) {
-            Ok(sortie) => {
-                self.take_off(sortie);
-                self.warm_up = warm_up;
-            }
-            Err(error) => {
-                self.hub.notice(client, NoticeLevel::Error, &format!("seek refused: {error}"));
-            }
-        }
-    }
-
     fn restart(&mut self, seed: Option<u64>, name: Option<String>, client: Option<u64>) {
         let named = name.and_then(|name| self.catalogue.iter().find(|known| known.name == name));
         let mut scenario = named.unwrap_or(&self.sortie.scenario).clone();
@@ -339,6 +331,7 @@ impl Pilot {
     }
 
     fn publish_state(&mut self) {
+        self.sortie.unreadable().iter().for_each(|text| self.alarm(text));
         let start = now();
         let reading = self.meter.read(start);
         self.hub.publish(|published| {
@@ -352,7 +345,8 @@ impl Pilot {
                 .collect();
             vec![ServerMessage::State(published.state.clone())]
         });
-        self.state_due = start + STATE_PERIOD;
+        let live = self.sortie.mirrored.as_ref().is_some_and(|mirrored| mirrored.is_live());
+        self.state_due = start + if live { LIVE_STATE_PERIOD } else { STATE_PERIOD };
     }
 
     fn begin_recording(&mut self) -> Result<(), ServerError> {

@@ -190,6 +190,8 @@ pub struct MirrorInfo {
     pub ticks: u64,
     /// Time of the recording, s.
     pub duration_s: f64,
+    /// It still goes on: ticks and time are those of now.
+    pub live: bool,
     /// What was found wrong or left out, a sentence each.
     pub notes: Vec<String>,
 }

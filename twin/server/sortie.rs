@@ -23,6 +23,9 @@ use crate::tuning::Tuning;
 /// The covariance is decomposed every so many ticks, and at a reset.
 const SPECTRUM_TICKS: u64 = 10;
 
+/// The phase while nothing comes from a stream.
+const STREAM_LOST: &str = "stream lost";
+
 /// One flight.
 pub(super) struct Sortie {
     /// What is flown.
@@ -179,6 +182,9 @@ impl Sortie {
         state.tick = self.next_tick;
         state.t_s = self.t_s;
         state.task_phase.clone_from(&self.task_phase);
+        if self.mirrored.as_ref().is_some_and(|mirrored| mirrored.is_lost()) {
+            STREAM_LOST.clone_into(&mut state.task_phase);
+        }
         state.verdict = verdict;
         state.reason = reason;
         self.world.describe(state);
@@ -192,6 +198,11 @@ impl Sortie {
         if tick.index.is_multiple_of(SPECTRUM_TICKS) || tick.adapted.reset {
             self.spectrum = self.flight.covariance_spectrum();
         }
+    }
+
+    /// What of a recording could not be read since the last call.
+    pub(super) fn unreadable(&self) -> Vec<String> {
+        self.mirrored.as_ref().map_or_else(Vec::new, |mirrored| mirrored.shadow.film().troubles())
     }
 
     /// Gain changes that have come to rest become events of the next tick.

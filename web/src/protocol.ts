@@ -208,6 +208,10 @@ ticks: number,
  */
 duration_s: number, 
 /**
+ * It still goes on: ticks and time are those of now.
+ */
+live: boolean, 
+/**
  * What was found wrong or left out, a sentence each.
  */
 notes: Array<string>, };

@@ -1,13 +1,13 @@
 //! `twin evaluate ablation`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::Context;
 use clap::Args;
 use twin::evaluate::ablation::{VARIANTS, Variant, flown, measure, statistics};
-use twin::residual::weights::Weights;
 use twin::scenario::Scenario;
 
+use super::read_weights;
 use crate::cli::{End, Overrides};
 
 #[derive(Args)]
@@ -37,14 +37,8 @@ pub(super) struct AblationArgs {
     overrides: Overrides,
 }
 
-fn read(file: &Path) -> anyhow::Result<Weights> {
-    let bytes =
-        std::fs::read(file).with_context(|| format!("{}: cannot be read", file.display()))?;
-    Weights::from_bytes(&bytes).with_context(|| file.display().to_string())
-}
-
 pub(super) fn run(args: &AblationArgs) -> anyhow::Result<End> {
-    let full = read(&args.full)?;
+    let full = read_weights(&args.full)?;
     let whole = std::fs::canonicalize(&args.full)?;
     let mut flights = Vec::new();
     let mut scenario = None;
@@ -74,7 +68,7 @@ pub(super) fn run(args: &AblationArgs) -> anyhow::Result<End> {
     let mut rows: Vec<Variant> = Vec::new();
     for ((name, paper), file) in VARIANTS.into_iter().zip(files) {
         let Some(file) = file else { continue };
-        let weights = read(file)?;
+        let weights = read_weights(file)?;
         let [rmse_z, r2] = measure(name, (&weights, file), &scenario, &flights, &statistics)?;
         let change = |value: f64, full: f64| (value / full - 1.0) * 100.0;
         let reference = rows.first().map_or(rmse_z, |row| row.rmse_z);

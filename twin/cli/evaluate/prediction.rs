@@ -7,12 +7,12 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use twin::evaluate::entrants::{Candidate, trained, unfilled, untrained, untrained_names};
 use twin::evaluate::fit::{Baseline, fit};
-use twin::evaluate::prediction::rows;
+use twin::evaluate::prediction::{rows, spreads};
 use twin::evaluate::{PredictionTable, Series, Statistics, prediction_page};
 use twin::residual::HORIZON;
-use twin::residual::weights::Weights;
 use twin::scenario::{Preset, Scenario};
 
+use super::read_weights;
 use crate::cli::End;
 
 #[derive(Args)]
@@ -75,6 +75,7 @@ pub(super) fn run(args: &PredictionArgs) -> anyhow::Result<End> {
         training: training.iter().map(|flight| flight.file.clone()).collect(),
         data_hash,
         statistics,
+        spreads: spreads(&rows),
         rows,
     };
     if let Some(path) = &args.html {
@@ -131,10 +132,7 @@ fn candidates(
         all.extend(trained(&weights, &file, &tuning)?);
     }
     for file in &args.weights {
-        let bytes =
-            std::fs::read(file).with_context(|| format!("{}: cannot be read", file.display()))?;
-        let weights = Weights::from_bytes(&bytes).with_context(|| file.display().to_string())?;
-        all.extend(trained(&weights, file, &tuning)?);
+        all.extend(trained(&read_weights(file)?, file, &tuning)?);
     }
     Ok(all)
 }
@@ -186,13 +184,7 @@ fn print_table(table: &PredictionTable) {
     for (name, figures) in unfilled(&filled) {
         println!("{name:30} {:>101}   {}", "", paper_cells(figures));
     }
-    let heads = (0..=HORIZON).map(|j| format!("    j={j}")).collect::<Vec<_>>();
-    println!("\n{:26}{}", "RMSE z by horizon", heads.concat());
-    for row in &table.rows {
-        let cells: Vec<String> =
-            row.replayed.horizons.iter().map(|h| format!("{:7.3}", h.rmse_z)).collect();
-        println!("{:26}{}", row.name, cells.concat());
-    }
+    print_horizons(table);
     println!("\n{}", table.command);
     println!(
         "recording {} seed {} sha-256 {}",
@@ -205,6 +197,27 @@ fn print_table(table: &PredictionTable) {
         table.training.len(),
         table.data_hash
     );
+}
+
+fn print_horizons(table: &PredictionTable) {
+    let heads = (0..=HORIZON).map(|j| format!("    j={j}")).collect::<Vec<_>>();
+    println!("\n{:26}{}", "RMSE z by horizon", heads.concat());
+    for row in &table.rows {
+        let cells: Vec<String> =
+            row.replayed.horizons.iter().map(|h| format!("{:7.3}", h.rmse_z)).collect();
+        println!("{:26}{}", row.name, cells.concat());
+    }
+    for s in &table.spreads {
+        let pair = |[mean, std]: [f64; 2]| format!("{mean:.3} ± {std:.3}");
+        println!(
+            "{} over {} trainings: RMSE {}, R² {}, RMSE j={HORIZON} {}",
+            s.name,
+            s.trainings,
+            pair(s.rmse_z),
+            pair(s.r2),
+            pair(s.rmse_z_last)
+        );
+    }
 }
 
 fn paper_cells([rmse, r2, ms]: [f64; 3]) -> String {

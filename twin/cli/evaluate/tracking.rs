@@ -9,6 +9,7 @@ use twin::scenario::Verdict;
 use twin::scenario::cache::Cache;
 use twin::scenario::table::{COLUMNS, Job, Line, Outcome, PAPER, condense, fly_all};
 
+use super::read_weights;
 use crate::cli::{End, Overrides};
 
 #[derive(Args)]
@@ -18,16 +19,16 @@ pub(super) struct TrackingArgs {
     /// Seeds 1..=N of each scenario.
     #[arg(long, default_value_t = 10)]
     seeds: u64,
-    /// What flies, one row each: `pid`, `l1`, `tdc`, `random_features`, and `fdt`, `fdt_lra` with the weights of the scenario or of
-    /// `--weights`.
+    /// What flies without weights, one row each; `fdt` and `fdt_lra` fly the weights the program was built with.
     #[arg(long, value_delimiter = ',', default_value = "pid,l1,tdc,random_features")]
     rows: Vec<String>,
     /// Gain presets.
     #[arg(long, value_delimiter = ',', default_value = "tuned,paper")]
     presets: Vec<String>,
-    /// Weights of the FDT: adds the rows `fdt` and `fdt_lra`.
+    /// File of weights: of the FDT two rows, without and with the adapter, of any other model one; flown whether or not they
+    /// were accepted (repeatable).
     #[arg(long, value_name = "FILE")]
-    weights: Option<PathBuf>,
+    weights: Vec<PathBuf>,
     /// Flights at a time [default: one per core].
     #[arg(long)]
     jobs: Option<usize>,
@@ -53,6 +54,9 @@ const ROWS: [(&str, &[&str]); 6] = [
     ("fdt", &["predictor.kind=fdt", "gains.adapter_on=0"]),
     ("fdt_lra", &["predictor.kind=fdt"]),
 ];
+
+/// Keys of a baseline from a file: its own learning, if it has any, takes the adapter's place.
+const BASELINE: [&str; 2] = ["predictor.kind=trained", "gains.adapter_on=0"];
 
 pub(super) fn run(args: &TrackingArgs) -> anyhow::Result<End> {
     let jobs = jobs(args)?;
@@ -93,37 +97,56 @@ pub(super) fn run(args: &TrackingArgs) -> anyhow::Result<End> {
     Ok(if all { End::Passed } else { End::Failed })
 }
 
+/// A row of the table: its name and the keys that make it.
+struct Row {
+    name: String,
+    keys: Vec<String>,
+}
+
+fn rows(args: &TrackingArgs) -> anyhow::Result<Vec<Row>> {
+    let strings = |keys: &[&str]| keys.iter().map(|key| (*key).to_owned()).collect::<Vec<_>>();
+    let keys = |name: &str| {
+        let known = || ROWS.map(|(name, _)| name).join(", ");
+        let found = ROWS.iter().find(|(row, _)| *row == name);
+        found
+            .map(|(_, keys)| strings(keys))
+            .with_context(|| format!("--rows: found {name:?}, expected {}", known()))
+    };
+    let mut rows = Vec::new();
+    for name in &args.rows {
+        rows.push(Row { name: name.clone(), keys: keys(name)? });
+    }
+    for file in &args.weights {
+        let weights = read_weights(file)?;
+        // Scenarios name weights relative to themselves.
+        let whole = std::fs::canonicalize(file)?;
+        let flown =
+            [format!("predictor.weights={}", whole.display()), "predictor.force=true".to_owned()];
+        let model = weights.head.model;
+        let names = if model == "fdt" { vec!["fdt", "fdt_lra"] } else { vec![model.as_str()] };
+        for name in names {
+            let keys = if model == "fdt" { keys(name)? } else { strings(&BASELINE) };
+            rows.push(Row { name: name.to_owned(), keys: [keys, flown.to_vec()].concat() });
+        }
+    }
+    Ok(rows)
+}
+
 fn jobs(args: &TrackingArgs) -> anyhow::Result<Vec<Job>> {
     let files = if args.scenarios.is_empty() {
         COLUMNS.iter().map(|name| PathBuf::from(format!("scenarios/{name}.toml"))).collect()
     } else {
         args.scenarios.clone()
     };
-    let mut rows = args.rows.clone();
-    let mut weights = None;
-    if let Some(file) = &args.weights {
-        // Scenarios name weights relative to themselves.
-        let whole = std::fs::canonicalize(file)
-            .with_context(|| format!("{}: cannot be read", file.display()))?;
-        weights = Some(format!("predictor.weights={}", whole.display()));
-        let more = ["fdt", "fdt_lra"].map(str::to_owned);
-        rows.extend(more.into_iter().filter(|row| !args.rows.contains(row)));
-    }
     let mut jobs = Vec::new();
-    for row in &rows {
-        let known = || ROWS.map(|(name, _)| name).join(", ");
-        let (_, keys) = ROWS
-            .iter()
-            .find(|(name, _)| name == row)
-            .with_context(|| format!("--rows: found {row:?}, expected {}", known()))?;
+    for row in rows(args)? {
         for preset in &args.presets {
             for file in &files {
                 for seed in 1..=args.seeds {
                     let mut overrides = args.overrides.set.clone();
-                    overrides.extend(keys.iter().map(|key| (*key).to_owned()));
-                    overrides.extend(weights.clone().filter(|_| row.starts_with("fdt")));
+                    overrides.extend(row.keys.iter().cloned());
                     overrides.extend([format!("gains.preset={preset}"), format!("seed={seed}")]);
-                    let row = format!("{row}/{preset}");
+                    let row = format!("{}/{preset}", row.name);
                     jobs.push(Job { row, file: file.clone(), overrides });
                 }
             }

@@ -14,6 +14,9 @@ use crate::residual::weights::{Weights, WeightsError};
 use crate::residual::{History, Predictor, PredictorInfo};
 use crate::tick::Forecast;
 
+/// Word of the model in the head of its file.
+pub const NAME: &str = "gp";
+
 /// Names of the tensors: `[samples, inputs]`, `[samples, targets]`, `[inputs]`, `[1]`.
 const TENSORS: [&str; 4] = ["inputs", "alpha", "length_scale", "signal_variance"];
 
@@ -174,7 +177,7 @@ impl Gp {
     /// # Errors
     /// [`WeightsError`] if they are of another model or vehicle.
     pub fn new(weights: &Weights) -> Result<Self, WeightsError> {
-        weights.head.check_model("gp")?;
+        weights.head.check_model(NAME)?;
         let standard = Standard::new(&weights.head)?;
         let inputs = standard.len();
         let samples = weights.tensors.get(TENSORS[0]).map_or(0, |tensor| tensor.shape[0]);

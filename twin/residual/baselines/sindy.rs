@@ -12,6 +12,9 @@ use crate::residual::weights::{Weights, WeightsError};
 use crate::residual::{History, Predictor, PredictorInfo};
 use crate::tick::Forecast;
 
+/// Word of the model in the head of its file.
+pub const NAME: &str = "sindy";
+
 /// Coefficients below this are dropped, in standard deviations of the residual per unit of the term.
 pub const THRESHOLD: f64 = 0.02;
 
@@ -101,7 +104,7 @@ impl Sindy {
     /// # Errors
     /// [`WeightsError`] if they are of another model or vehicle.
     pub fn new(weights: &Weights) -> Result<Self, WeightsError> {
-        weights.head.check_model("sindy")?;
+        weights.head.check_model(NAME)?;
         let standard = Standard::new(&weights.head)?;
         let m = terms(standard.len());
         weights.check_tensors(&[(TENSOR.to_owned(), vec![m, TARGETS])])?;

@@ -9,6 +9,10 @@ import { Throttle } from "./throttle";
 
 /** A slider that is dragged seeks at most so often: each time the shadow flies the ten seconds before anew. */
 const SEEK_EVERY_MS = 150;
+/** A time after the end of any stream, s: the server goes to the newest there is. */
+const NEWEST_S = 1e6;
+/** What the server calls the phase while nothing comes from a stream. */
+const STREAM_LOST = "stream lost";
 /** What an arrow key goes, s. */
 const ARROW_S = 0.1;
 
@@ -52,7 +56,7 @@ export class MirrorBar {
       { id: "mirror.tickBack", group: "Recording", description: "one tick back", keys: ["Ctrl+ArrowLeft"], action: () => this.by(-this.store.tickS), when, repeats: true },
       { id: "mirror.loop", group: "Recording", description: "play the stretch from I to O, else all of it, again and again", keys: ["Shift+O"], action: () => this.toggleLoop(), when },
       { id: "mirror.start", group: "Recording", description: "to its start", keys: ["Home"], action: () => this.seek(0), when },
-      { id: "mirror.end", group: "Recording", description: "to its end", keys: ["End"], action: () => this.seek(this.info?.duration_s ?? 0), when },
+      { id: "mirror.end", group: "Recording", description: "to its end", keys: ["End"], action: () => this.seek(this.endS), when },
     );
   }
 
@@ -77,6 +81,8 @@ export class MirrorBar {
     if (this.info === null || this.dragging) return;
     const tick = this.store.lastTick >= 0 ? this.store.lastTick : (this.store.state?.tick ?? 0);
     const tS = tick * this.store.tickS;
+    // A stream has no end: the slider reaches from its start to the newest that was seen.
+    if (this.info.live && tS > Number(this.slider.max)) this.slider.max = String(tS);
     this.slider.value = String(tS);
     this.label(tS);
     if (this.loop === null) return;
@@ -97,7 +103,7 @@ export class MirrorBar {
 
   /** The recording has been played to its end, and waits there. */
   private atEnd(tS: number): boolean {
-    return this.store.state?.phase === "paused" && tS >= (this.info?.duration_s ?? Infinity) - 2 * this.store.tickS;
+    return this.store.state?.phase === "paused" && this.info?.live === false && tS >= (this.info?.duration_s ?? Infinity) - 2 * this.store.tickS;
   }
 
   private playFrom(tS: number): void {
@@ -106,7 +112,9 @@ export class MirrorBar {
   }
 
   private label(tS: number): void {
-    setText(byId("mirror-now"), `${tS.toFixed(2)} / ${(this.info?.duration_s ?? 0).toFixed(1)} s`);
+    const lost = this.store.state?.task_phase === STREAM_LOST;
+    const end = this.info?.live === true ? (lost ? STREAM_LOST.toUpperCase() : "live") : `${(this.info?.duration_s ?? 0).toFixed(1)} s`;
+    setText(byId("mirror-now"), `${tS.toFixed(2)} / ${end}`);
     this.slider.ariaValueText = `${tS.toFixed(1)} seconds`;
   }
 
@@ -116,7 +124,12 @@ export class MirrorBar {
   }
 
   private seek(tS: number): void {
-    this.send({ type: "seek", t_s: Math.min(Math.max(tS, 0), this.info?.duration_s ?? 0) });
+    this.send({ type: "seek", t_s: Math.min(Math.max(tS, 0), this.endS) });
+  }
+
+  /** The last time there is to go to, s. */
+  private get endS(): number {
+    return this.info?.live === true ? NEWEST_S : (this.info?.duration_s ?? 0);
   }
 
   private get info(): MirrorInfo | null {

@@ -1,0 +1,91 @@
+//! What damaged input is put through, for the seeded loop of this suite and the targets of cargo-fuzz: nothing here may panic,
+//! hang, or give a number that is not finite.
+
+use std::io::Cursor;
+use std::path::Path;
+use std::sync::LazyLock;
+
+use twin::mirror::cdr::{decode, decode_packed};
+use twin::mirror::gather::gather_from;
+use twin::mirror::recorded::on_ticks;
+use twin::mirror::schema::Layout;
+use twin::mirror::signals::signals;
+use twin::mirror::{Map, OpenedFlight, RecordedFlight, Survey};
+
+/// A message definition with everything a definition may have.
+pub(super) const DEFINITION: &str = "uint8 a\nfloat64 b\nstring name\nfloat32[] values\nInner[] inner\nstring[<=4] names\n===\nMSG: p/Inner\nint16 c\nfloat32[3] d\n";
+
+/// Longer recordings are not put onto ticks here: a clock that damage moved by hours is tested by the others.
+const SHORT_S: f64 = 100.0;
+
+/// Ticks of a part of a long flight.
+const PART: usize = 50;
+
+static MAP: LazyLock<Map> =
+    LazyLock::new(|| Map::over_generic(Map::default()).expect("the generic map"));
+
+static LAYOUT: LazyLock<Layout> =
+    LazyLock::new(|| Layout::parse("p/msg/Outer", DEFINITION).expect("a definition"));
+
+/// A message of [`DEFINITION`].
+pub(super) fn message() -> Vec<u8> {
+    [0, 1, 0, 0, 7, 0, 0, 0].into_iter().chain([2; 160]).collect()
+}
+
+fn assert_finite(flight: &RecordedFlight) {
+    for instant in &flight.instants {
+        let all = [instant.chi, instant.chi_dot, instant.chi_ddot, instant.tau];
+        assert!(all.iter().flatten().flatten().copied().all(f64::is_finite));
+    }
+}
+
+/// A file, MCAP or ULog, from its first to its last byte and onto ticks; whether it could be read.
+pub(super) fn file(bytes: &[u8]) -> bool {
+    let Ok(survey) = Survey::read_from(&mut &*bytes) else { return false };
+    if let Ok(gathered) = gather_from(&mut &*bytes, &MAP)
+        && survey.duration_s < SHORT_S
+        && let Ok(flight) = on_ticks(&signals(&gathered), &MAP.vehicle)
+    {
+        assert_finite(&flight);
+    }
+    true
+}
+
+/// A long flight through the index of its file; whether it could be read.
+pub(super) fn indexed(bytes: &[u8]) -> bool {
+    let input = Box::new(Cursor::new(bytes.to_vec()));
+    let Ok(Some(opened)) = OpenedFlight::open_long(Path::new("damaged"), None, input) else {
+        return false;
+    };
+    if let Some(footage) = &opened.long {
+        let ticks = footage.ticks();
+        for from in [0, ticks / 2, ticks.saturating_sub(PART)] {
+            let part = footage.part(from, (from + PART).min(ticks));
+            assert_eq!(part.instants.len(), (from + PART).min(ticks) - from);
+            assert_finite(&part);
+        }
+    }
+    assert_finite(&opened.recorded);
+    true
+}
+
+/// A message by a sound definition, as CDR and as ULog.
+pub(super) fn of_definition(bytes: &[u8]) {
+    let _ = (decode(&LAYOUT, bytes), decode_packed(&LAYOUT, bytes));
+}
+
+/// A definition, and a message by it.
+pub(super) fn definition(text: &[u8]) {
+    let text = String::from_utf8_lossy(text);
+    let layouts = [Layout::parse("p/msg/Outer", &text), Layout::parse_ulog(&text)];
+    for layout in layouts.iter().flatten() {
+        let _ = (decode(layout, &message()), decode_packed(layout, &message()));
+    }
+}
+
+/// A topic map.
+pub(super) fn map(text: &[u8]) {
+    if let Ok(map) = Map::parse(&String::from_utf8_lossy(text), "damaged") {
+        let _ = map.rule("/fmu/out/vehicle_odometry", "px4_msgs/msg/VehicleOdometry");
+    }
+}

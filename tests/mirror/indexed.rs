@@ -1,0 +1,218 @@
+//! Long flights, read part by part through the index of their file, against the same flights read whole.
+
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use twin::mirror::film::Footage;
+use twin::mirror::stretches::LONG_S;
+use twin::mirror::{OpenedFlight, RecordedFlight, Recorder, RecordingEnd};
+use twin::scenario::{Scenario, Shadow};
+use twin::tick::Tick;
+
+use super::made::{Form, PLAIN, file, flight};
+
+/// Longer than what is read whole, with a hole that a part ends in.
+const LONG: Form = Form { seconds: LONG_S + 30.0, hole_s: Some((53.0, 55.5)), ..PLAIN };
+
+/// Filters that started 4 s earlier or at the start of the flight: rounding of accelerations of some m/s².
+const ROUNDING: f64 = 1e-9;
+
+/// The thrust of the circle is constant, so any lag fits it: after a hole the force is unknown for longer or shorter.
+const LONGEST_LAG_TICKS: usize = 25;
+
+fn both(path: &Path) -> (OpenedFlight, OpenedFlight) {
+    let long = OpenedFlight::open(path, None).expect("a flight");
+    (long, OpenedFlight::open_whole(path, None).expect("a flight"))
+}
+
+fn footage(opened: &OpenedFlight) -> &Arc<dyn Footage> {
+    opened.long.as_ref().expect("it is long and has chunks")
+}
+
+/// The rows of `part` are those of `whole` from tick `from` on, numbers that need no fit to `tolerance`.
+fn assert_same(part: &RecordedFlight, whole: &RecordedFlight, from: usize, tolerance: f64) {
+    let mut lagging = 0;
+    for (i, instant) in part.instants.iter().enumerate() {
+        let (tick, other) = (from + i, &whole.instants[from + i]);
+        assert_eq!(part.times_s[i].to_bits(), whole.times_s[tick].to_bits(), "{tick}");
+        assert_eq!(part.airborne[i], whole.airborne[tick], "{tick}");
+        let pairs = [
+            (instant.chi, other.chi),
+            (instant.chi_dot, other.chi_dot),
+            (instant.chi_ddot, other.chi_ddot),
+        ];
+        for (found, wanted) in pairs.iter().flat_map(|(a, b)| a.iter().zip(b)) {
+            let near = match (found, wanted) {
+                (Some(found), Some(wanted)) => (found - wanted).abs() <= tolerance,
+                (None, None) => true,
+                _ => false,
+            };
+            assert!(near, "{tick}: {found:?} {wanted:?}");
+        }
+        // A recording of this program needs no fit.
+        let bits = |tau: [Option<f64>; 8]| tau.map(|tau| tau.map(f64::to_bits));
+        assert!(tolerance > 0.0 || bits(instant.tau) == bits(other.tau), "{tick}");
+        lagging += usize::from(instant.tau.map(|t| t.is_some()) != other.tau.map(|t| t.is_some()));
+    }
+    assert!(lagging <= 2 * LONGEST_LAG_TICKS, "{lagging}");
+}
+
+#[test]
+fn a_long_flight_read_part_by_part_is_the_one_read_whole() {
+    for (name, compression) in
+        [("long_zstd.mcap", Some(mcap::Compression::Zstd)), ("long_none.mcap", None)]
+    {
+        let path = file(name, &flight(Form { compression, ..LONG }));
+        let (long, whole) = both(&path);
+        let footage = footage(&long);
+        assert_eq!(footage.ticks(), whole.recorded.instants.len());
+        // Parts in any order, of any length, over the hole and at both ends.
+        for (from, to) in
+            [(5200, 5700), (0, 500), (14_700, footage.ticks()), (5600, 5601), (5200, 5700)]
+        {
+            let part = footage.part(from, to);
+            assert_eq!(part.instants.len(), to - from);
+            assert_same(&part, &whole.recorded, from, ROUNDING);
+        }
+        assert!(footage.troubles().is_empty());
+        assert!(long.recorded.instants.len() < 7000, "{}", long.recorded.instants.len());
+        let gain = |opened: &OpenedFlight| match &opened.recorded.effort {
+            twin::mirror::Effort::Fitted { fit, .. } => fit.gain,
+            other => panic!("{other:?}"),
+        };
+        // The same circle: the stretches say what the whole says, to what H takes.
+        assert!((gain(&long) / gain(&whole) - 1.0).abs() < 1e-3);
+        assert!(long.signals.notes.iter().any(|note| note.contains("stretches")));
+        // Holes between stretches are no gaps of the recording.
+        assert_eq!(long.signals.used[0].timing.gaps, 0, "{:?}", long.signals.used[0]);
+    }
+}
+
+#[test]
+fn a_long_flight_in_shadow_predicts_what_the_whole_one_predicts() {
+    let path = file("long_shadow.mcap", &flight(LONG));
+    let (long, whole) = both(&path);
+    let fly = |opened: &OpenedFlight| Shadow::of(opened).fly(&mut |_| {}).expect("ticks");
+    let (long, whole) = (fly(&long), fly(&whole));
+    assert_eq!((long.ticks, long.airborne_ticks), (whole.ticks, whole.airborne_ticks));
+    // After the start and after the hole.
+    let later = 2 * LONGEST_LAG_TICKS;
+    assert!(long.held_ticks.abs_diff(whole.held_ticks) <= later, "{long:?} {whole:?}");
+    for (ours, other) in long.scored.rows.iter().zip(&whole.scored.rows) {
+        let known = ours.residual_known - other.residual_known;
+        assert!(known.abs() <= later as f64 / whole.ticks as f64, "{ours:?} {other:?}");
+        assert_eq!(ours.residual.is_some(), other.residual.is_some());
+        if let (Some(a), Some(b)) = (ours.residual, other.residual) {
+            // A gain that differs by 1e-3 of 10 N/kg.
+            assert!((a.mean - b.mean).abs() < 0.02, "{a:?} {b:?}");
+        }
+    }
+}
+
+#[test]
+fn the_file_of_a_recorder_that_was_killed_is_read_through_its_chunks() {
+    let whole_file = flight(Form { seconds: LONG_S * 2.0, ..PLAIN });
+    let cut = &whole_file[..whole_file.len() * 2 / 3];
+    let path = file("long_cut.mcap", cut);
+    let (long, whole) = both(&path);
+    assert_eq!(footage(&long).ticks(), whole.recorded.instants.len());
+    let last = footage(&long).ticks();
+    assert_same(&footage(&long).part(last - 300, last), &whole.recorded, last - 300, ROUNDING);
+    let problems = &long.survey.container.problems;
+    assert!(
+        problems.iter().any(|text| text.contains("without an end of its data")),
+        "{problems:?}"
+    );
+    assert_eq!(long.survey.messages, whole.survey.messages);
+    // A summary that does not hold is no summary, and nothing else is lost with it.
+    let mut bad = whole_file.clone();
+    let at = bad.len() - 8 - 20;
+    bad[at..at + 8].copy_from_slice(&u64::MAX.to_le_bytes());
+    let long = OpenedFlight::open(&file("long_bad_summary.mcap", &bad), None).expect("a flight");
+    assert!(footage(&long).ticks() > 23_900);
+}
+
+/// The chunk of the file that lies at this share of it: where its middle is, found by walking the records.
+fn chunk_at(bytes: &[u8], share: f64) -> usize {
+    let mut at = 8;
+    loop {
+        let length = u64::from_le_bytes(bytes[at + 1..at + 9].try_into().expect("eight")) as usize;
+        if bytes[at] == 0x06 && at as f64 > share * bytes.len() as f64 {
+            return at + 9 + length / 2;
+        }
+        at += 9 + length;
+    }
+}
+
+#[test]
+fn a_damaged_chunk_far_inside_is_unknown_when_it_is_played_and_said_once() {
+    let mut bytes = flight(Form { compression: None, hole_s: None, ..LONG });
+    // Between two stretches, so that opening the file does not meet it.
+    let middle = chunk_at(&bytes, 0.36);
+    bytes[middle] ^= 0x55;
+    let opened = OpenedFlight::open(&file("long_damaged.mcap", &bytes), None).expect("a flight");
+    let footage = footage(&opened);
+    assert!(opened.survey.container.problems.is_empty());
+    let near = (0.36 * footage.ticks() as f64) as usize;
+    for repeat in 0..2 {
+        let part = footage.part(near - 300, near + 300);
+        let unknown = part.instants.iter().filter(|i| i.chi[0].is_none()).count();
+        // A chunk of 16 kB holds a second or two of these messages.
+        assert!((20..400).contains(&unknown), "{unknown}");
+        let said = footage.troubles();
+        assert_eq!(said.len(), usize::from(repeat == 0), "{said:?}");
+    }
+}
+
+/// An own recording of so many ticks, made of a short flight whose ticks are counted on.
+fn own(name: &str, ticks: u64) -> PathBuf {
+    let hover = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/hover.toml");
+    let scenario = Scenario::load(&hover, &[]).expect("a scenario");
+    let mut flight = scenario.build().expect("a flight");
+    let flown: Vec<Tick> = (0..200).map(|_| flight.tick()).collect();
+    let path = file(name, b"");
+    let info = scenario.recording_info(flight.tuning()).expect("it can be recorded");
+    let mut recorder = Recorder::create(&path, &info).expect("a file");
+    for index in 0..ticks {
+        let mut tick = flown[index as usize % flown.len()].clone();
+        tick.index = index;
+        tick.measurement.t_s = index as f64 * twin::notation::TICK_S;
+        // No two ticks are the same, so a tick in the wrong place shows.
+        tick.measurement.chi[0] += index as f64 * 1e-6;
+        recorder.record(Arc::new(tick)).expect("recorded");
+    }
+    recorder.finish(RecordingEnd::default()).expect("written");
+    path
+}
+
+#[test]
+fn a_long_recording_of_this_program_comes_back_bit_for_bit_also_without_its_end() {
+    let path = own("long_own.mcap", 13_000);
+    let bytes = std::fs::read(&path).expect("it is there");
+    let cut = file("long_own_cut.mcap", &bytes[..bytes.len() - bytes.len() / 50]);
+    for path in [path, cut] {
+        let (long, whole) = both(&path);
+        let footage = footage(&long);
+        assert!(long.is_own());
+        // Read whole, the last chunk of a cut file is left out; by the index its whole records are used.
+        let last = whole.recorded.instants.len();
+        assert!(last > 12_500 && footage.ticks() >= last, "{last} {}", footage.ticks());
+        for (from, to) in [(0, 500), (5_950, 6_100), (last - 130, last)] {
+            assert_same(&footage.part(from, to), &whole.recorded, from, 0.0);
+        }
+        assert_eq!(long.recorded.nominal_inertia, whole.recorded.nominal_inertia);
+        assert!(footage.troubles().is_empty());
+    }
+}
+
+#[test]
+fn a_short_flight_and_what_has_no_chunks_are_read_whole() {
+    let short = file("short.mcap", &flight(PLAIN));
+    assert!(OpenedFlight::open(&short, None).expect("a flight").long.is_none());
+    for bytes in [b"".to_vec(), b"hello".to_vec(), super::made::ulog(), flight(PLAIN)] {
+        let input = Box::new(Cursor::new(bytes));
+        let found = OpenedFlight::open_long(Path::new("x"), None, input).expect("no long flight");
+        assert!(found.is_none());
+    }
+}

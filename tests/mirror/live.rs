@@ -1,0 +1,254 @@
+//! Flights that still go on: a Foxglove server of the older protocol written by hand, and a file that grows, both with the
+//! circle flown as the clock on the wall goes.
+
+#![expect(clippy::disallowed_methods, reason = "a live flight is as old as the wall says")]
+
+use std::collections::BTreeMap;
+use std::net::{TcpListener, TcpStream};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU8, Ordering};
+use std::time::{Duration, Instant};
+
+use mcap::records::MessageHeader;
+use serde_json::json;
+use tungstenite::handshake::server::{Request, Response};
+use tungstenite::{Message, WebSocket};
+use twin::mirror::film::Footage;
+use twin::mirror::live::{From, Live};
+use twin::mirror::{OpenedFlight, RecordedFlight};
+use twin::notation::TICK_S;
+
+use super::made::{ODOMETRY, THRUST, file, messages, truth};
+
+/// Nothing here takes longer, also on a loaded machine.
+const PATIENCE: Duration = Duration::from_mins(1);
+
+/// A cubic over the longest hole that is no gap, 0.2 s, on a circle of 1 m at 1.2 rad/s: (1.2 * 0.2)^4 / 384 and more for slopes
+/// of unequal steps.
+const BETWEEN_SAMPLES_M: f64 = 5e-3;
+
+/// What the server does.
+const SAYS: u8 = 0;
+const SILENT: u8 = 1;
+const HANGS_UP: u8 = 2;
+
+const TOPICS: [(&str, &str, &str); 2] = [
+    ("/fmu/out/vehicle_odometry", "px4_msgs/msg/VehicleOdometry", ODOMETRY),
+    ("/fmu/out/vehicle_thrust_setpoint", "px4_msgs/msg/VehicleThrustSetpoint", THRUST),
+];
+
+fn until(what: &str, mut is: impl FnMut() -> bool) {
+    let start = Instant::now();
+    while !is() {
+        assert!(start.elapsed() < PATIENCE, "not within {PATIENCE:?}: {what}");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
+/// Microseconds of the flight controller, which are also those of the log, at a time of the flight.
+fn t_us(t_s: f64) -> u64 {
+    5_000_000 + (t_s * 1e6) as u64
+}
+
+#[expect(clippy::result_large_err, reason = "the form of the handshake's callback")]
+fn accept(stream: TcpStream) -> WebSocket<TcpStream> {
+    let choose = |request: &Request, mut response: Response| {
+        let asked = request.headers()["Sec-WebSocket-Protocol"].to_str().expect("text");
+        assert_eq!(asked, "foxglove.sdk.v1, foxglove.websocket.v1");
+        let chosen = "foxglove.websocket.v1".parse().expect("a header");
+        response.headers_mut().insert("Sec-WebSocket-Protocol", chosen);
+        Ok(response)
+    };
+    tungstenite::accept_hdr(stream, choose).expect("a handshake")
+}
+
+/// One connection: says what there is, waits for the subscriptions, then flies until it is told to hang up.
+fn serve(stream: TcpStream, start: Instant, mood: &AtomicU8) {
+    let mut socket = accept(stream);
+    let channel = |(id, (topic, name, text)): (usize, &(&str, &str, &str))| json!({ "id": 7 + id, "topic": topic, "encoding": "cdr", "schemaName": name, "schema": text });
+    let channels: Vec<_> = TOPICS.iter().enumerate().map(channel).collect();
+    for said in [
+        json!({ "op": "serverInfo", "name": "by hand", "capabilities": [] }),
+        json!({ "op": "something of a later version", "value": [1, 2] }),
+        json!({ "op": "advertise", "channels": channels }),
+    ] {
+        socket.send(Message::text(said.to_string())).expect("the client reads");
+    }
+    let mut subscriptions = BTreeMap::new();
+    while subscriptions.len() < TOPICS.len() {
+        let Message::Text(text) = socket.read().expect("a subscription") else { continue };
+        let said: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+        assert_eq!(said["op"], "subscribe");
+        for one in said["subscriptions"].as_array().expect("a list") {
+            let id = one["id"].as_u64().expect("a number") as u32;
+            subscriptions.insert(one["channelId"].as_u64().expect("a number") - 7, id);
+        }
+    }
+    while mood.load(Ordering::Relaxed) != HANGS_UP {
+        std::thread::sleep(Duration::from_millis(8));
+        if mood.load(Ordering::Relaxed) != SAYS {
+            continue;
+        }
+        let t_s = start.elapsed().as_secs_f64();
+        for (number, data) in messages(t_us(t_s), t_s).into_iter().enumerate() {
+            let head = [
+                &[1][..],
+                &subscriptions[&(number as u64)].to_le_bytes(),
+                &(t_us(t_s) * 1000).to_le_bytes(),
+            ];
+            let message = [head.concat(), data].concat();
+            if socket.send(Message::binary(message)).is_err() {
+                return;
+            }
+        }
+    }
+}
+
+fn footage(opened: &OpenedFlight) -> &Arc<dyn Footage> {
+    opened.long.as_ref().expect("it is read as it goes on")
+}
+
+/// The newest second, and the time of the flight at its first tick.
+fn newest(opened: &OpenedFlight) -> (RecordedFlight, f64) {
+    let ticks = footage(opened).ticks();
+    let from = ticks.saturating_sub(100);
+    let zero_s = (opened.signals.start_ns - 5_000_000_000) as f64 * 1e-9;
+    (footage(opened).part(from, ticks), zero_s + from as f64 * TICK_S)
+}
+
+/// Positions of the newest second lie on the circle where they are known; how many are.
+fn known_on_the_circle(opened: &OpenedFlight) -> usize {
+    let (part, first_s) = newest(opened);
+    let mut known = 0;
+    for (i, instant) in part.instants.iter().enumerate() {
+        let (p, _) = truth(first_s + i as f64 * TICK_S);
+        let all = (0..3).filter_map(|row| instant.chi[row].map(|value| value - p[row]));
+        let errors: Vec<f64> = all.collect();
+        assert!(errors.iter().all(|error| error.abs() < BETWEEN_SAMPLES_M), "{i}: {errors:?}");
+        known += usize::from(errors.len() == 3);
+    }
+    known
+}
+
+#[test]
+fn a_stream_of_the_older_protocol_is_followed_through_silence_and_a_lost_connection() {
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let address = listener.local_addr().expect("an address");
+    let mood = Arc::new(AtomicU8::new(SAYS));
+    let theirs = Arc::clone(&mood);
+    let start = Instant::now();
+    let server = std::thread::spawn(move || {
+        for _ in 0..2 {
+            serve(listener.accept().expect("a client").0, start, &theirs);
+            while theirs.load(Ordering::Relaxed) == HANGS_UP {
+                std::thread::sleep(Duration::from_millis(5));
+            }
+        }
+    });
+    let live = Live::listen(&From::Socket(format!("ws://{address}")), None).expect("a thread");
+    let opened = live.wait(PATIENCE).expect("a flight");
+    assert_eq!(opened.signals.used[0].topic, TOPICS[0].0);
+    until("positions", || known_on_the_circle(&opened) > 50);
+
+    mood.store(SILENT, Ordering::Relaxed);
+    until("silence", || !live.is_up());
+    // Time goes on, and nothing is known in it.
+    until("a second of which nothing is known", || known_on_the_circle(&opened) == 0);
+    assert!(live.news().iter().any(|text| text.contains("silent")));
+
+    mood.store(SAYS, Ordering::Relaxed);
+    until("positions after the silence", || live.is_up() && known_on_the_circle(&opened) > 50);
+    assert!(live.news().iter().any(|text| text.contains("goes on")));
+
+    mood.store(HANGS_UP, Ordering::Relaxed);
+    until("a lost connection", || live.news().iter().any(|text| text.contains("lost")));
+    mood.store(SAYS, Ordering::Relaxed);
+    until("positions after the loss", || live.is_up() && known_on_the_circle(&opened) > 50);
+    drop(live);
+    mood.store(HANGS_UP, Ordering::Relaxed);
+    std::thread::sleep(Duration::from_millis(20));
+    mood.store(SAYS, Ordering::Relaxed);
+    server.join().expect("the server ends well");
+}
+
+#[test]
+fn the_last_value_is_not_held_for_longer_than_a_gap() {
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let address = listener.local_addr().expect("an address");
+    let mood = Arc::new(AtomicU8::new(SAYS));
+    let theirs = Arc::clone(&mood);
+    let start = Instant::now();
+    let server =
+        std::thread::spawn(move || serve(listener.accept().expect("a client").0, start, &theirs));
+    let live = Live::listen(&From::Socket(format!("ws://{address}")), None).expect("a thread");
+    let opened = live.wait(PATIENCE).expect("a flight");
+    mood.store(SILENT, Ordering::Relaxed);
+    let silent_s = start.elapsed().as_secs_f64();
+    until("silence", || !live.is_up() && known_on_the_circle(&opened) == 0);
+    // Everything after the last message is unknown, from the first tick after it on.
+    let (part, first_s) = {
+        let ticks = footage(&opened).ticks();
+        (footage(&opened).part(ticks.saturating_sub(600), ticks), newest(&opened).1 - 5.0)
+    };
+    let known = part.instants.iter().rposition(|instant| instant.chi[0].is_some());
+    let last_s = first_s + known.map_or(0.0, |tick| tick as f64 * TICK_S);
+    // The message on its way when it fell silent, and that the newest second moved on between the two looks: 0.5 s in all.
+    assert!(last_s < silent_s + 0.5, "{last_s} {silent_s}");
+    mood.store(HANGS_UP, Ordering::Relaxed);
+    server.join().expect("the server ends well");
+}
+
+#[test]
+fn a_file_that_is_still_written_is_followed_until_its_recorder_closes_it() {
+    let path = file("growing.mcap", b"");
+    let mut writer = mcap::WriteOptions::new()
+        .profile("ros2")
+        .compression_threads(0)
+        .create(std::fs::File::create(&path).expect("a file"))
+        .expect("a writer");
+    let channels = TOPICS.map(|(topic, name, text)| {
+        let schema = writer.add_schema(name, "ros2msg", text.as_bytes()).expect("a schema");
+        writer.add_channel(schema, topic, "cdr", &BTreeMap::new()).expect("a channel")
+    });
+    let live = Live::listen(&From::File(path), None).expect("a thread");
+    let start = Instant::now();
+    let (mut opened, mut known) = (None, 0);
+    while known < 50 {
+        assert!(start.elapsed() < PATIENCE, "{known} positions are known");
+        // A chunk each 0.1 s.
+        for _ in 0..10 {
+            std::thread::sleep(Duration::from_millis(10));
+            let t_s = start.elapsed().as_secs_f64();
+            for (channel_id, data) in channels.iter().zip(messages(t_us(t_s), t_s)) {
+                let log_time = t_us(t_s) * 1000;
+                let header = MessageHeader {
+                    channel_id: *channel_id,
+                    sequence: 0,
+                    log_time,
+                    publish_time: log_time,
+                };
+                writer.write_to_known_channel(&header, &data).expect("written");
+            }
+        }
+        writer.flush().expect("flushed");
+        if opened.is_none() && start.elapsed() > Duration::from_secs(4) {
+            opened = live.opened();
+        }
+        known = opened.as_ref().map_or(0, known_on_the_circle);
+    }
+    writer.finish().expect("finished");
+    until("the end", || live.news().iter().any(|text| text.contains("closed the file")));
+}
+
+#[test]
+fn what_is_no_server_is_said_and_tried_again() {
+    let free = TcpListener::bind("127.0.0.1:0").expect("a port").local_addr().expect("an address");
+    let live = Live::listen(&From::Socket(format!("ws://{free}")), None).expect("a thread");
+    until("a word", || live.news().iter().any(|text| text.contains("lost")));
+    assert!(live.opened().is_none() && !live.is_up());
+    let text = file("no.mcap", b"this is no MCAP file at all");
+    let live = Live::listen(&From::File(text), None).expect("a thread");
+    until("a word", || live.news().iter().any(|text| text.contains("no MCAP file")));
+    let wrong = Live::listen(&From::Socket(format!("ws://{free}")), Some("nowhere"));
+    assert!(wrong.expect_err("no such map").to_string().contains("crazyflie"));
+}

@@ -1,0 +1,305 @@
+//! Where the chunks of an MCAP file lie, what times and how many messages they hold: known without unpacking the file.
+//!
+//! From the summary at the end of the file; where there is none (a recorder that was killed), by stepping from record to record,
+//! which reads the heads of the chunks and not their content. A chunk is then read by itself, wherever it is.
+
+use std::collections::BTreeMap;
+use std::fmt::Debug;
+use std::io::{Read, Seek, SeekFrom};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use mcap::records::{Channel, ChunkIndex, MessageHeader, Metadata, Record, SchemaHeader};
+use mcap::sans_io::summary_reader::{SummaryReadEvent, SummaryReader, SummaryReaderOptions};
+
+use super::container::{CHUNK, ContainerError, Findings, HEAD_BYTES, LONGEST_RECORD_BYTES, unpack};
+use super::scan;
+
+/// A file, or anything like it that can be read anywhere.
+pub trait Input: Read + Seek + Debug + Send {}
+
+impl<T: Read + Seek + Debug + Send> Input for T {}
+
+/// A chunk in the file.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Place {
+    /// First byte of its record.
+    pub(super) at: u64,
+    /// Bytes of its record, with head.
+    pub(super) length: u64,
+    /// Log time of its first and last message, ns; `None` if it holds no message.
+    pub(super) span_ns: Option<(u64, u64)>,
+    /// Messages per channel, where they were counted already.
+    pub(super) counts: BTreeMap<u16, u64>,
+    /// Where the message index of a channel lies, for those that were not.
+    pub(super) indexes: BTreeMap<u16, u64>,
+    /// The file ends inside it.
+    pub(super) cut: bool,
+}
+
+/// Schemas and channels of a file.
+#[derive(Debug, Default)]
+pub(super) struct Definitions {
+    /// Name, encoding and text by number.
+    pub(super) schemas: BTreeMap<u16, (SchemaHeader, Vec<u8>)>,
+    /// Channels by number.
+    pub(super) channels: BTreeMap<u16, Channel>,
+}
+
+impl Definitions {
+    /// Keeps `record` if it defines something; the first definition of a channel holds.
+    pub(super) fn take(&mut self, record: Record<'_>) {
+        match record {
+            Record::Schema { header, data } => {
+                self.schemas.insert(header.id, (header, data.into_owned()));
+            }
+            Record::Channel(channel) => {
+                self.channels.entry(channel.id).or_insert(channel);
+            }
+            _ => {}
+        }
+    }
+
+    /// As records, schemas first.
+    pub(super) fn records(&self, on: &mut dyn FnMut(Record<'_>)) {
+        for (header, data) in self.schemas.values() {
+            on(Record::Schema { header: header.clone(), data: data.as_slice().into() });
+        }
+        for channel in self.channels.values() {
+            on(Record::Channel(channel.clone()));
+        }
+    }
+}
+
+/// What is known of a file before a chunk is unpacked.
+#[derive(Debug, Default)]
+pub(super) struct Table {
+    /// Chunks in the order of the file.
+    pub(super) chunks: Vec<Place>,
+    /// Schemas and channels.
+    pub(super) definitions: Definitions,
+    /// Messages per channel.
+    pub(super) counts: BTreeMap<u16, u64>,
+    /// Metadata records.
+    pub(super) metadata: Vec<Metadata>,
+    /// The container and its problems.
+    pub(super) findings: Findings,
+}
+
+/// An open file whose chunks can be read in any order.
+#[derive(Debug)]
+pub(super) struct Index {
+    input: Mutex<Box<dyn Input>>,
+    /// What is known of it.
+    pub(super) table: Table,
+}
+
+impl Index {
+    /// The index of `input`; `None` if it is no MCAP file with chunks, which can only be read from its start to its end.
+    ///
+    /// # Errors
+    /// [`ContainerError`] if the system refuses.
+    pub(super) fn new(mut input: Box<dyn Input>) -> Result<Option<Self>, ContainerError> {
+        let length = input.seek(SeekFrom::End(0))?;
+        if length < mcap::MAGIC.len() as u64 {
+            return Ok(None);
+        }
+        if read_at(&mut *input, 0, mcap::MAGIC.len() as u64)? != mcap::MAGIC {
+            return Ok(None);
+        }
+        // A summary that cannot be used is as good as none.
+        let table = match summary(&mut *input, length).filter(|table| !table.chunks.is_empty()) {
+            Some(table) => Some(table),
+            None => scan::scan(&mut *input, length)?,
+        };
+        Ok(table.map(|table| Self { input: Mutex::new(input), table }))
+    }
+
+    /// Log time of the first and last message, ns.
+    pub(super) fn span_ns(&self) -> Option<(u64, u64)> {
+        let spans = || self.table.chunks.iter().filter_map(|place| place.span_ns);
+        Some((spans().map(|span| span.0).min()?, spans().map(|span| span.1).max()?))
+    }
+
+    /// Numbers of the chunks that may hold messages logged from `from_ns` to `to_ns`, in file order.
+    pub(super) fn between(&self, from_ns: u64, to_ns: u64) -> impl Iterator<Item = usize> + '_ {
+        let overlaps = move |place: &Place| {
+            place.span_ns.is_some_and(|(first, last)| first <= to_ns && last >= from_ns)
+        };
+        self.table.chunks.iter().enumerate().filter(move |(_, p)| overlaps(p)).map(|(n, _)| n)
+    }
+
+    /// The number of the channel of `topic` that has most messages, and how many those are.
+    pub(super) fn channel(&self, topic: &str) -> Option<(u16, u64)> {
+        let channels = self.table.definitions.channels.values();
+        channels
+            .filter(|channel| channel.topic == topic)
+            .map(|channel| (channel.id, self.channel_messages(channel.id)))
+            .max_by_key(|(_, messages)| *messages)
+    }
+
+    /// Messages of a channel in the whole file.
+    pub(super) fn channel_messages(&self, channel: u16) -> u64 {
+        self.table.counts.get(&channel).copied().unwrap_or(0)
+    }
+
+    /// Messages of `channel` in chunk `number`.
+    ///
+    /// # Errors
+    /// A sentence if the index of the chunk cannot be read.
+    pub(super) fn messages(&self, number: usize, channel: u16) -> Result<u64, String> {
+        let place = &self.table.chunks[number];
+        if let Some(count) = place.counts.get(&channel) {
+            return Ok(*count);
+        }
+        let Some(at) = place.indexes.get(&channel) else { return Ok(0) };
+        let head = self.read(*at, scan::MESSAGE_INDEX_HEAD_BYTES as u64)?;
+        match scan::message_index(&head) {
+            Some((found, count)) if found == channel => Ok(count),
+            _ => Err(format!("there is no message index at byte {at}")),
+        }
+    }
+
+    /// Every record of chunk `number`, or none if its checksum does not hold; of one that the end of the file cuts off those
+    /// that are whole.
+    ///
+    /// # Errors
+    /// A sentence: what is wrong with it.
+    pub(super) fn unpack(
+        &self,
+        number: usize,
+        on: &mut dyn FnMut(Record<'_>),
+    ) -> Result<(), String> {
+        let place = &self.table.chunks[number];
+        let record = self.read(place.at, place.length)?;
+        unpack_record(&record, place, on)
+    }
+
+    fn read(&self, at: u64, length: u64) -> Result<Vec<u8>, String> {
+        // A reader that failed left nothing half done.
+        let mut input = self.input.lock().unwrap_or_else(PoisonError::into_inner);
+        read_at(&mut **input, at, length).map_err(|error| format!("byte {at}: {error}"))
+    }
+}
+
+/// The records in the record of a chunk.
+pub(super) fn unpack_record(
+    record: &[u8],
+    place: &Place,
+    on: &mut dyn FnMut(Record<'_>),
+) -> Result<(), String> {
+    if record.first() != Some(&CHUNK) {
+        return Err(format!("there is no chunk at byte {}", place.at));
+    }
+    match unpack(record, !place.cut, on) {
+        Err(why) if !place.cut => {
+            Err(format!("chunk at byte {} is damaged or unknown ({why}) and left out", place.at))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// `length` bytes from `at` on, at most as many as a record may have.
+pub(super) fn read_at(input: &mut dyn Input, at: u64, length: u64) -> std::io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    input.seek(SeekFrom::Start(at))?;
+    input.take(length.min(LONGEST_RECORD_BYTES + HEAD_BYTES as u64)).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 == length {
+        Ok(bytes)
+    } else {
+        Err(std::io::ErrorKind::UnexpectedEof.into())
+    }
+}
+
+/// The message header of a record, if it is a message.
+pub(super) fn header<'a>(record: &'a Record<'_>) -> Option<&'a MessageHeader> {
+    match record {
+        Record::Message { header, .. } => Some(header),
+        _ => None,
+    }
+}
+
+/// The table that the summary of the file gives; `None` if it is missing, damaged or does not tell all.
+fn summary(input: &mut dyn Input, length: u64) -> Option<Table> {
+    let options = SummaryReaderOptions::default()
+        .with_file_size(length)
+        .with_record_length_limit(LONGEST_RECORD_BYTES as usize);
+    let mut reader = SummaryReader::new_with_options(options);
+    while let Some(event) = reader.next_event() {
+        match event.ok()? {
+            SummaryReadEvent::ReadRequest(wanted) => {
+                let read = input.read(reader.insert(wanted)).ok()?;
+                reader.notify_read(read);
+            }
+            SummaryReadEvent::SeekRequest(to) => reader.notify_seeked(input.seek(to).ok()?),
+        }
+    }
+    let found = reader.finish()?;
+    let statistics = found.stats?;
+    let told = statistics.chunk_count as usize == found.chunk_indexes.len()
+        && statistics.channel_count as usize == found.channels.len();
+    let inside = found.chunk_indexes.iter().all(|chunk| {
+        chunk.chunk_length <= LONGEST_RECORD_BYTES + HEAD_BYTES as u64
+            && chunk.chunk_start_offset.checked_add(chunk.chunk_length).is_some_and(|e| e <= length)
+    });
+    if !(told && inside) {
+        return None;
+    }
+    let mut table = Table { counts: statistics.channel_message_counts, ..Table::default() };
+    define(&mut table.definitions, found.channels.into_values());
+    place(&mut table, found.chunk_indexes);
+    table.findings.complete = true;
+    for place in found.metadata_indexes {
+        let record = read_at(input, place.offset, place.length).ok()?;
+        if let Ok(Record::Metadata(metadata)) =
+            mcap::parse_record(*record.first()?, record.get(HEAD_BYTES..)?)
+        {
+            table.metadata.push(metadata);
+        }
+    }
+    scan::header(input, &mut table.findings).ok()?;
+    Some(table)
+}
+
+/// Keeps these channels with their schemas.
+fn define<'a>(
+    definitions: &mut Definitions,
+    channels: impl Iterator<Item = Arc<mcap::Channel<'a>>>,
+) {
+    for channel in channels {
+        let schema_id = channel.schema.as_ref().map_or(0, |schema| schema.id);
+        if let Some(schema) = &channel.schema {
+            let (name, encoding) = (schema.name.clone(), schema.encoding.clone());
+            definitions.take(Record::Schema {
+                header: SchemaHeader { id: schema.id, name, encoding },
+                data: schema.data.as_ref().into(),
+            });
+        }
+        definitions.take(Record::Channel(Channel {
+            id: channel.id,
+            schema_id,
+            topic: channel.topic.clone(),
+            message_encoding: channel.message_encoding.clone(),
+            metadata: channel.metadata.clone(),
+        }));
+    }
+}
+
+/// Keeps where these chunks lie.
+fn place(table: &mut Table, chunks: Vec<ChunkIndex>) {
+    for chunk in chunks {
+        let name = if chunk.compression.is_empty() { "none".into() } else { chunk.compression };
+        table.findings.compressions.insert(name);
+        let (first, last) = (chunk.message_start_time, chunk.message_end_time);
+        // No message: both times are zero, and nothing is indexed.
+        let empty = last == 0 && chunk.message_index_offsets.is_empty();
+        table.chunks.push(Place {
+            at: chunk.chunk_start_offset,
+            length: chunk.chunk_length,
+            span_ns: (!empty && first <= last).then_some((first, last)),
+            indexes: chunk.message_index_offsets,
+            ..Place::default()
+        });
+    }
+    table.chunks.sort_by_key(|place| place.at);
+    table.findings.chunks = table.chunks.len() as u64;
+}

@@ -1,0 +1,337 @@
+//! What the thread that listens and those who watch have in common: samples, clock, and what was said of them.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use mcap::records::{Channel, Record};
+
+use super::super::container::Findings;
+use super::super::effort::{Effort, Settled};
+use super::super::gather::{Collector, Gathered, Track};
+use super::super::index::Definitions;
+use super::super::opened::{OpenedFlight, choose_map};
+use super::super::recorded::on_ticks;
+use super::super::signals::signals;
+use super::super::survey::Survey;
+use super::super::topics::Map;
+use super::LOOK;
+use super::footage::LiveFootage;
+use super::pulse::Pulse;
+
+/// What is kept, s.
+const KEPT_S: f64 = 600.0;
+
+/// What is heard before it is judged first, and again while the force is unknown, s.
+const JUDGED_AFTER_S: f64 = 3.0;
+
+/// It is judged by so much of it, ns.
+const JUDGED_NS: u64 = 60_000_000_000;
+
+/// Without a message for so long, the stream is silent, s.
+const SILENT_S: f64 = 0.2;
+
+#[derive(Debug)]
+pub(super) struct Shared {
+    name: String,
+    wanted_map: Option<String>,
+    start: Instant,
+    stop: AtomicBool,
+    state: Mutex<State>,
+}
+
+#[derive(Debug, Default)]
+pub(super) struct State {
+    definitions: Definitions,
+    counts: BTreeMap<u16, u64>,
+    map: Option<(Arc<Map>, String)>,
+    collector: Option<Collector<Arc<Map>>>,
+    pub(super) tracks: Vec<Track>,
+    pub(super) pulse: Pulse,
+    first_heard_s: Option<f64>,
+    pruned_s: f64,
+    /// Counts up when there is more to know than at the last opening, or everything begins anew.
+    generation: u64,
+    /// Time zero of the ticks, kept while the stream goes on.
+    start_ns: Option<i64>,
+    judged_s: f64,
+    effort_known: bool,
+    up: bool,
+    silent: bool,
+    news: Vec<String>,
+}
+
+#[expect(clippy::disallowed_methods, reason = "a stream is as old as the clock on the wall says")]
+pub(super) fn wall() -> Instant {
+    Instant::now()
+}
+
+impl Shared {
+    /// Of a stream of that name; `map` as for a recording.
+    pub(super) fn new(name: String, map: Option<&str>) -> Self {
+        Self {
+            name,
+            wanted_map: map.map(str::to_owned),
+            start: wall(),
+            stop: AtomicBool::new(false),
+            state: Mutex::default(),
+        }
+    }
+
+    pub(super) fn name(&self) -> &str {
+        &self.name
+    }
+
+    pub(super) fn stop(&self) {
+        self.stop.store(true, Ordering::Relaxed);
+    }
+
+    /// Counts up when there is more to know.
+    pub(super) fn generation(&self) -> u64 {
+        self.state().generation
+    }
+
+    /// What happened since the last call, a sentence each.
+    pub(super) fn news(&self) -> Vec<String> {
+        self.look();
+        std::mem::take(&mut self.state().news)
+    }
+
+    /// Messages come.
+    pub(super) fn is_up(&self) -> bool {
+        self.look();
+        let state = self.state();
+        state.up && !state.silent
+    }
+
+    pub(super) fn state(&self) -> MutexGuard<'_, State> {
+        // Whoever failed left whole samples.
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    pub(super) fn now_s(&self) -> f64 {
+        self.start.elapsed().as_secs_f64()
+    }
+
+    pub(super) fn is_stopped(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+
+    /// Sleeps, but not past a request to stop.
+    pub(super) fn pause(&self, time: Duration) {
+        let start = wall();
+        while start.elapsed() < time && !self.is_stopped() {
+            std::thread::sleep(LOOK.min(time));
+        }
+    }
+
+    /// The stream is there.
+    pub(super) fn is_connected(&self) {
+        let mut state = self.state();
+        if !state.up {
+            state.up = true;
+            if state.start_ns.is_some() {
+                state.news.push(format!("{}: there again", self.name));
+            }
+        }
+    }
+
+    /// The stream is gone; it is said once.
+    pub(super) fn is_lost(&self, why: &str) {
+        let mut state = self.state();
+        if state.up || state.first_heard_s.is_none() && state.news.is_empty() {
+            state.news.push(format!(
+                "{}: lost: {why}; nothing is known until it is there again, which is tried all the time",
+                self.name
+            ));
+        }
+        state.up = false;
+    }
+
+    /// A record of the stream.
+    pub(super) fn take(&self, record: Record<'_>) {
+        let now_s = self.now_s();
+        let mut state = self.state();
+        match &record {
+            Record::Message { header, .. } => {
+                *state.counts.entry(header.channel_id).or_default() += 1;
+                state.first_heard_s.get_or_insert(now_s);
+                if state.silent {
+                    state.silent = false;
+                    state.news.push(format!("{}: it goes on", self.name));
+                }
+                if state.pulse.heard(header.log_time as f64 * 1e-9, now_s)
+                    && state.start_ns.is_some()
+                {
+                    state.begin_anew();
+                    state
+                        .news
+                        .push(format!("{}: its clock jumped; the flight begins anew", self.name));
+                }
+            }
+            Record::Channel(_) => {
+                state.definitions.take(record.into_owned());
+                self.define(&mut state);
+                return;
+            }
+            Record::Schema { .. } => {
+                state.definitions.take(record.into_owned());
+                return;
+            }
+            _ => return,
+        }
+        if let Some(collector) = &mut state.collector {
+            collector.take(record);
+        }
+        state.store(now_s);
+    }
+
+    /// Chooses the map by the topics that are known by now.
+    fn define(&self, state: &mut State) {
+        let topics: Vec<&str> =
+            state.definitions.channels.values().map(|channel| channel.topic.as_str()).collect();
+        let Ok((map, name)) = choose_map(self.wanted_map.as_deref(), Map::detect(&topics)) else {
+            return;
+        };
+        let changed = state.map.as_ref().is_none_or(|(_, known)| *known != name);
+        if changed {
+            let map = Arc::new(map);
+            state.collector = Some(Collector::new(Arc::clone(&map), None));
+            state.map = Some((map, name));
+        }
+        if let Some(collector) = &mut state.collector {
+            // Channels that are open already stay as they are.
+            state.definitions.records(&mut |record| collector.take(record));
+            let before = std::mem::take(&mut state.tracks);
+            let same = |track: &Track, known: &Track| {
+                track.channel == known.channel && track.quantity == known.quantity
+            };
+            state.tracks = collector.empty_tracks();
+            for track in &mut state.tracks {
+                if let Some(known) = before.iter().find(|known| same(track, known) && !changed) {
+                    track.samples.clone_from(&known.samples);
+                }
+            }
+        }
+    }
+
+    /// Whether the map asks for a channel of this topic and schema.
+    pub(super) fn wants(&self, channel: &Channel, schema: &str) -> bool {
+        let state = self.state();
+        let rule = state.map.as_ref().and_then(|(map, _)| map.rule(&channel.topic, schema));
+        rule.is_some_and(|(_, rule)| !rule.gives.is_empty())
+    }
+
+    /// Notes a silence.
+    fn look(&self) {
+        let now_s = self.now_s();
+        let mut state = self.state();
+        let silent = state.up
+            && state.first_heard_s.is_some()
+            && state.pulse.silent_s(now_s) > SILENT_S + state.pulse.lag_s();
+        if silent && !state.silent {
+            state.silent = true;
+            state.news.push(format!("{}: silent; nothing is known until it goes on", self.name));
+        }
+    }
+
+    /// Enough was heard to be judged.
+    pub(super) fn is_ripe(&self) -> bool {
+        let now_s = self.now_s();
+        self.state().first_heard_s.is_some_and(|first_s| now_s - first_s > JUDGED_AFTER_S)
+    }
+
+    /// Says that there is more to know, now and then, as long as the force is unknown.
+    pub(super) fn judge_again(&self) {
+        let now_s = self.now_s();
+        let mut state = self.state();
+        let due = now_s - state.judged_s > JUDGED_AFTER_S && !state.silent;
+        if !state.effort_known && due && state.start_ns.is_some() {
+            state.judged_s = now_s;
+            let gathered = state.gathered();
+            let facts = state.map.as_ref().map(|(map, _)| map.vehicle.clone()).unwrap_or_default();
+            drop(state);
+            let found = on_ticks(&signals(&gathered), &facts);
+            if found.is_ok_and(|flight| !matches!(flight.effort, Effort::Unknown { .. })) {
+                self.state().generation += 1;
+            }
+        }
+    }
+
+    pub(super) fn opened(self: &Arc<Self>) -> Option<OpenedFlight> {
+        let (gathered, map, map_name, mut survey) = {
+            let state = self.state();
+            let (map, name) = state.map.clone()?;
+            let survey = Survey::of_definitions(
+                &state.definitions,
+                &state.counts,
+                (0, 0),
+                Findings::default(),
+            );
+            (state.gathered(), map, name, survey)
+        };
+        survey.mark(&map);
+        let mut signals = signals(&gathered);
+        let recorded = on_ticks(&signals, &map.vehicle).ok()?;
+        let mut state = self.state();
+        state.effort_known = !matches!(recorded.effort, Effort::Unknown { .. });
+        state.judged_s = self.now_s();
+        signals.start_ns = *state.start_ns.get_or_insert(signals.start_ns);
+        let settled = Settled {
+            effort: recorded.effort.clone(),
+            mass_kg: recorded.mass_kg,
+            threshold: recorded.airborne_above,
+        };
+        drop(state);
+        let footage =
+            LiveFootage::new(Arc::clone(self), signals.clone(), settled, Arc::clone(&map));
+        Some(OpenedFlight {
+            path: PathBuf::from(&self.name),
+            survey,
+            map: (*map).clone(),
+            map_name,
+            signals,
+            recorded,
+            long: Some(Arc::new(footage)),
+        })
+    }
+}
+
+impl State {
+    /// Everything begins anew: another flight, or a clock that was set.
+    fn begin_anew(&mut self) {
+        self.tracks.iter_mut().for_each(|track| track.samples.clear());
+        (self.start_ns, self.effort_known) = (None, false);
+        self.generation += 1;
+    }
+
+    /// Keeps what was decoded, and forgets what is too old.
+    fn store(&mut self, now_s: f64) {
+        let Some(collector) = &mut self.collector else { return };
+        for (track, samples) in self.tracks.iter_mut().zip(collector.drain()) {
+            track.samples.extend(samples);
+        }
+        if now_s - self.pruned_s > 1.0 {
+            self.pruned_s = now_s;
+            let oldest = self.pulse.now_s(now_s).unwrap_or(0.0) - KEPT_S;
+            for track in &mut self.tracks {
+                let old = track.samples.partition_point(|s| (s.log_ns as f64 * 1e-9) < oldest);
+                track.samples.drain(..old);
+            }
+        }
+    }
+
+    /// What it is judged by: the last minute.
+    fn gathered(&self) -> Gathered {
+        let newest = self.tracks.iter().filter_map(|track| track.samples.last());
+        let newest_ns = newest.map(|sample| sample.log_ns).max().unwrap_or(0);
+        let from_ns = newest_ns.saturating_sub(JUDGED_NS);
+        let late = |track: &Track| {
+            let first = track.samples.partition_point(|sample| sample.log_ns < from_ns);
+            Track { samples: track.samples[first..].to_vec(), ..track.bare() }
+        };
+        Gathered { tracks: self.tracks.iter().map(late).collect(), notes: Vec::new() }
+    }
+}

@@ -1,0 +1,248 @@
+//! A client of a Foxglove WebSocket server, `foxglove.sdk.v1` or `foxglove.websocket.v1`: what it needs of both is the same.
+//!
+//! It subscribes to what the map asks for, and connects again whenever the connection is lost.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::net::{TcpStream, ToSocketAddrs};
+use std::time::Duration;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use mcap::records::{Channel, MessageHeader, Record, SchemaHeader};
+use serde::Deserialize;
+use tungstenite::client::IntoClientRequest;
+use tungstenite::http::HeaderValue;
+use tungstenite::{Message, WebSocket};
+
+use super::Shared;
+
+/// Sub-protocols in order of preference.
+const PROTOCOLS: &str = "foxglove.sdk.v1, foxglove.websocket.v1";
+
+/// A connection is tried for so long, and again after so long.
+const CONNECT: Duration = Duration::from_secs(2);
+const AGAIN: Duration = Duration::from_millis(300);
+
+/// A read waits for so long, then looks whether it should stop.
+const READ: Duration = Duration::from_millis(100);
+
+/// A connection that says nothing for so long is asked whether it is there.
+const PING_READS: u32 = 20;
+
+/// Opcode of a message of a subscription, and the bytes before its content: opcode, subscription, time.
+const MESSAGE_DATA: u8 = 0x01;
+const DATA_HEAD_BYTES: usize = 1 + 4 + 8;
+
+/// What a server says in JSON, as far as it matters.
+#[derive(Debug, Deserialize)]
+#[serde(tag = "op", rename_all = "camelCase")]
+enum Said {
+    Advertise {
+        channels: Vec<Advertised>,
+    },
+    #[serde(rename_all = "camelCase")]
+    Unadvertise {
+        channel_ids: Vec<u64>,
+    },
+    #[serde(other)]
+    Else,
+}
+
+/// A channel that a server has.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Advertised {
+    id: u64,
+    topic: String,
+    encoding: String,
+    #[serde(default)]
+    schema_name: String,
+    #[serde(default)]
+    schema: String,
+    schema_encoding: Option<String>,
+}
+
+/// Connects until it is told to stop.
+pub(super) fn listen(shared: &Shared, url: &str) {
+    let mut numbers = Numbers::default();
+    while !shared.is_stopped() {
+        let end = connect(url).and_then(|mut socket| {
+            shared.is_connected();
+            read(shared, &mut socket, &mut numbers)
+        });
+        if let Err(why) = end {
+            shared.is_lost(&why);
+        }
+        shared.pause(AGAIN);
+    }
+}
+
+fn connect(url: &str) -> Result<WebSocket<TcpStream>, String> {
+    let mut request = url.into_client_request().map_err(|error| error.to_string())?;
+    request.headers_mut().insert("Sec-WebSocket-Protocol", HeaderValue::from_static(PROTOCOLS));
+    let (host, port) = (request.uri().host().unwrap_or_default(), request.uri().port_u16());
+    let host = host.trim_matches(['[', ']']);
+    let mut addresses =
+        (host, port.unwrap_or(8765)).to_socket_addrs().map_err(|error| error.to_string())?;
+    let address = addresses.next().ok_or("the name has no address")?;
+    let stream = TcpStream::connect_timeout(&address, CONNECT).map_err(|e| e.to_string())?;
+    let timed = stream.set_read_timeout(Some(CONNECT)).and_then(|()| stream.set_nodelay(true));
+    timed.map_err(|error| error.to_string())?;
+    let (socket, _) = tungstenite::client(request, stream).map_err(|error| error.to_string())?;
+    socket.get_ref().set_read_timeout(Some(READ)).map_err(|error| error.to_string())?;
+    Ok(socket)
+}
+
+/// Numbers of channels, which stay the same over connections.
+#[derive(Default)]
+struct Numbers {
+    by_name: BTreeMap<(String, String, String), u16>,
+}
+
+impl Numbers {
+    fn of(&mut self, channel: &Advertised) -> Option<u16> {
+        let next = u16::try_from(self.by_name.len() + 1).ok()?;
+        let name = (channel.topic.clone(), channel.schema_name.clone(), channel.encoding.clone());
+        Some(*self.by_name.entry(name).or_insert(next))
+    }
+}
+
+/// What is subscribed on this connection.
+#[derive(Default)]
+struct Subscribed {
+    /// Number of the channel by subscription.
+    channels: BTreeMap<u32, u16>,
+    /// The server's numbers of channels that are subscribed.
+    known: BTreeSet<u64>,
+    offered: Vec<(u64, Channel, String)>,
+}
+
+/// Reads until the connection ends; `Ok` if it was told to stop.
+fn read(
+    shared: &Shared,
+    socket: &mut WebSocket<TcpStream>,
+    numbers: &mut Numbers,
+) -> Result<(), String> {
+    let mut subscribed = Subscribed::default();
+    let mut quiet = 0;
+    while !shared.is_stopped() {
+        shared.judge_again();
+        match socket.read() {
+            Ok(Message::Text(text)) => {
+                // What is not understood says nothing that is needed.
+                if let Ok(said) = serde_json::from_str::<Said>(&text)
+                    && let Some(answer) = subscribed.hear(shared, said, numbers)
+                {
+                    socket.send(Message::text(answer)).map_err(|error| error.to_string())?;
+                }
+            }
+            Ok(Message::Binary(bytes)) => subscribed.data(shared, &bytes),
+            Ok(Message::Close(frame)) => {
+                let why = frame.map_or_else(String::new, |frame| frame.reason.to_string());
+                return Err(format!("the server closed the connection {why}"));
+            }
+            Ok(_) => {}
+            Err(tungstenite::Error::Io(error)) if is_timeout(&error) => {
+                quiet += 1;
+                if quiet % PING_READS == 0 {
+                    let ping = socket.send(Message::Ping(Vec::new().into()));
+                    ping.map_err(|error| error.to_string())?;
+                }
+                continue;
+            }
+            Err(error) => return Err(error.to_string()),
+        }
+        quiet = 0;
+    }
+    Ok(())
+}
+
+fn is_timeout(error: &std::io::Error) -> bool {
+    matches!(error.kind(), std::io::ErrorKind::WouldBlock | std::io::ErrorKind::TimedOut)
+}
+
+impl Subscribed {
+    /// Takes what is said in JSON; returns what to answer.
+    fn hear(&mut self, shared: &Shared, said: Said, numbers: &mut Numbers) -> Option<String> {
+        match said {
+            Said::Advertise { channels } => {
+                for channel in channels {
+                    self.offer(shared, channel, numbers);
+                }
+                self.wanted(shared)
+            }
+            Said::Unadvertise { channel_ids } => {
+                self.offered.retain(|(id, ..)| !channel_ids.contains(id));
+                self.known.retain(|id| !channel_ids.contains(id));
+                None
+            }
+            Said::Else => None,
+        }
+    }
+
+    fn offer(&mut self, shared: &Shared, offered: Advertised, numbers: &mut Numbers) {
+        let Some(number) = numbers.of(&offered) else { return };
+        let encoding = offered.schema_encoding.clone().unwrap_or_else(|| {
+            let usual = match offered.encoding.as_str() {
+                "cdr" => "ros2msg",
+                "ros1" => "ros1msg",
+                "json" => "jsonschema",
+                other => other,
+            };
+            usual.to_owned()
+        });
+        // A binary schema comes as base64.
+        let text = match encoding.as_str() {
+            "protobuf" | "flatbuffer" => STANDARD.decode(&offered.schema).unwrap_or_default(),
+            _ => offered.schema.into_bytes(),
+        };
+        let header = SchemaHeader { id: number, name: offered.schema_name.clone(), encoding };
+        shared.take(Record::Schema { header, data: text.into() });
+        let channel = Channel {
+            id: number,
+            schema_id: number,
+            topic: offered.topic,
+            message_encoding: offered.encoding,
+            metadata: BTreeMap::new(),
+        };
+        shared.take(Record::Channel(channel.clone()));
+        self.offered.push((offered.id, channel, offered.schema_name));
+    }
+
+    /// Subscriptions to everything that the map asks for and that is not subscribed yet.
+    fn wanted(&mut self, shared: &Shared) -> Option<String> {
+        let mut subscriptions = Vec::new();
+        for (id, channel, schema) in &self.offered {
+            if !self.known.contains(id) && shared.wants(channel, schema) {
+                let subscription = self.channels.len() as u32 + 1;
+                self.channels.insert(subscription, channel.id);
+                self.known.insert(*id);
+                subscriptions.push(serde_json::json!({ "id": subscription, "channelId": id }));
+            }
+        }
+        let some = !subscriptions.is_empty();
+        some.then(|| {
+            serde_json::json!({ "op": "subscribe", "subscriptions": subscriptions }).to_string()
+        })
+    }
+
+    fn data(&self, shared: &Shared, bytes: &[u8]) {
+        let Some((head, data)) = bytes.split_at_checked(DATA_HEAD_BYTES) else { return };
+        let (Some(subscription), Some(time)) =
+            (head[1..].first_chunk::<4>(), head[5..].first_chunk::<8>())
+        else {
+            return;
+        };
+        let channel = self.channels.get(&u32::from_le_bytes(*subscription));
+        if let (MESSAGE_DATA, Some(channel_id)) = (head[0], channel) {
+            let log_time = u64::from_le_bytes(*time);
+            let header = MessageHeader {
+                channel_id: *channel_id,
+                sequence: 0,
+                log_time,
+                publish_time: log_time,
+            };
+            shared.take(Record::Message { header, data: data.into() });
+        }
+    }
+}

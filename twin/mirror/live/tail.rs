@@ -1,0 +1,87 @@
+//! An MCAP file that is still being written: its records as they become whole.
+
+use std::fs::File;
+use std::io::SeekFrom;
+use std::path::Path;
+use std::time::Duration;
+
+use super::super::container::{CHUNK, DATA_END, FOOTER, HEAD_BYTES, LONGEST_RECORD_BYTES, unpack};
+use super::super::index::{Input, read_at};
+use super::Shared;
+
+/// A file that did not grow is looked at again after so long.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// Reads `path` from its start to its end and on as it grows; a file that is replaced or made shorter is read anew.
+pub(super) fn follow(shared: &Shared, path: &Path) {
+    while !shared.is_stopped() {
+        match File::open(path) {
+            Ok(mut file) => {
+                shared.is_connected();
+                if let Err(why) = read(shared, &mut file) {
+                    shared.is_lost(&why);
+                }
+            }
+            Err(error) => shared.is_lost(&error.to_string()),
+        }
+        shared.pause(LOOK * 10);
+    }
+}
+
+/// Reads until it is told to stop, or the file ends for good or is no longer what it was.
+fn read(shared: &Shared, file: &mut dyn Input) -> Result<(), String> {
+    let mut at = 0;
+    loop {
+        if shared.is_stopped() {
+            return Ok(());
+        }
+        shared.judge_again();
+        let length = file.seek(SeekFrom::End(0)).map_err(|error| error.to_string())?;
+        if length < at {
+            return Err("the file became shorter".to_owned());
+        }
+        if at == 0 && length >= mcap::MAGIC.len() as u64 {
+            let magic = read_at(file, 0, mcap::MAGIC.len() as u64).map_err(|e| e.to_string())?;
+            if magic != mcap::MAGIC {
+                return Err("it is no MCAP file".to_owned());
+            }
+            at = mcap::MAGIC.len() as u64;
+        }
+        if at == 0 || length < at + HEAD_BYTES as u64 {
+            shared.pause(LOOK);
+            continue;
+        }
+        let head = read_at(file, at, HEAD_BYTES as u64).map_err(|error| error.to_string())?;
+        let body = head[1..].first_chunk().map_or(0, |bytes| u64::from_le_bytes(*bytes));
+        if matches!(head[0], DATA_END | FOOTER) {
+            return ended(shared, file, length);
+        }
+        // A recorder that fills in the length of a chunk when it closes it has zero there until then.
+        if body > LONGEST_RECORD_BYTES || body == 0 || length < at + HEAD_BYTES as u64 + body {
+            shared.pause(LOOK);
+            continue;
+        }
+        let record =
+            read_at(file, at, HEAD_BYTES as u64 + body).map_err(|error| error.to_string())?;
+        at += record.len() as u64;
+        if record[0] == CHUNK {
+            let end = unpack(&record, true, &mut |record| shared.take(record));
+            end.map_err(|error| format!("a chunk is damaged: {error}"))?;
+        } else if let Ok(record) = mcap::parse_record(record[0], &record[HEAD_BYTES..]) {
+            shared.take(record);
+        }
+    }
+}
+
+/// The recorder closed the file: nothing more comes, unless it is written anew.
+fn ended(shared: &Shared, file: &mut dyn Input, length: u64) -> Result<(), String> {
+    shared.is_lost("the recorder closed the file");
+    while !shared.is_stopped() {
+        shared.pause(LOOK * 10);
+        let now = file.seek(SeekFrom::End(0)).map_err(|error| error.to_string())?;
+        if now < length {
+            return Err("it is written anew".to_owned());
+        }
+    }
+    Ok(())
+}
