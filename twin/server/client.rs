@@ -26,6 +26,9 @@ pub(super) const LONGEST_MESSAGE: usize = 64 * 1024;
 /// Most rows in a frame: a connection keeps the room that its largest frame took.
 const PART_ROWS: usize = 128;
 
+/// Each client sets the batches of all so much further apart: a crowd takes no more of the machine than fifty clients do.
+const SHARE: Duration = Duration::from_micros(100);
+
 /// A client that takes nothing for this long is gone.
 const SEND_TIMEOUT: Duration = Duration::from_secs(20);
 
@@ -133,7 +136,7 @@ async fn write<D: Dialect>(
         if D::ONE_IN_FLIGHT && !acknowledged.wait(&mut sink).await {
             return;
         }
-        tokio::time::sleep(D::GAP).await;
+        tokio::time::sleep(D::GAP.max(SHARE * app.hub.crowd())).await;
     }
 }
 
