@@ -14,8 +14,7 @@ export class Reader {
 
   static async connect(url) {
     const made = new Reader();
-    made.socket = await opened(url);
-    made.socket.on("message", (data, binary) => (binary ? made.#telemetry(data) : made.#text(data)));
+    made.socket = await opened(url, (data, binary) => (binary ? made.#telemetry(data) : made.#text(data)));
     return made;
   }
 
@@ -42,9 +41,11 @@ export async function stalled(url) {
   return { close: () => socket.terminate() };
 }
 
-function opened(url) {
+/** `hear` is there before anything comes: the `hello` may arrive with the answer to the upgrade, and without it no row counts. */
+function opened(url, hear = () => {}) {
   const socket = new WebSocket(url.replace("http", "ws") + "/ws");
   socket.on("error", () => {});
+  socket.on("message", hear);
   return new Promise((resolve, reject) => {
     socket.once("open", () => resolve(socket));
     socket.once("error", reject);

@@ -37,21 +37,21 @@ try {
   const { page: board } = await openConsole(browser, twin.url, CONSOLE);
   const stock = [];
   for (const [title, where, ready] of STOCK) stock.push([title, await open(where, ready)]);
-  // Controls open, and viser's remark that it draws in software read and closed.
   for (const [, page] of stock) await page.evaluate(() => globalThis.viewer?.gui?.open?.());
-  for (const close of await stock[2][1].locator(".mantine-Notification-closeButton").all()) await close.click();
   // From its start once more, so that every chart and trail has the whole flight.
   await board.keyboard.press("r");
   await until(async () => (await state()).t_s < 5, SOON, "the flight flies anew");
   await reached();
   await board.keyboard.press("Space");
   await until(async () => (await state()).phase === "paused", SOON, "the flight is held");
+  // viser's remark that it draws in software is read and closed.
+  await stock[2][1].evaluate(() => document.querySelectorAll(".mantine-Notification-closeButton").forEach((button) => button.click()));
   await pause(4000);
-  const quarters = [["The console", await board.screenshot({ path: path.join(FOLDER, "console-dark.png") })]];
+  const quarters = [["The console", await board.screenshot({ path: path.join(FOLDER, "console-dark.png"), timeout: SOON })]];
   await board.click("#theme");
   await pause(3000);
-  await board.screenshot({ path: path.join(FOLDER, "console-light.png") });
-  for (const [title, page] of stock) quarters.push([title, await page.screenshot()]);
+  await board.screenshot({ path: path.join(FOLDER, "console-light.png"), timeout: SOON });
+  for (const [title, page] of stock) quarters.push([title, await page.screenshot({ timeout: SOON })]);
   const cell = ([title, picture]) => `<figure><img src="data:image/png;base64,${picture.toString("base64")}"><figcaption>${title}</figcaption></figure>`;
   const sheet = await (await browser.newContext({ viewport: { width: 1600, height: 1000 } })).newPage();
   await sheet.setContent(`<style>

@@ -26,6 +26,9 @@ pub(super) const LONGEST_MESSAGE: usize = 64 * 1024;
 /// Most rows in a frame: a connection keeps the room that its largest frame took.
 const PART_ROWS: usize = 128;
 
+/// Each client sets the batches of all so much further apart: a crowd takes no more of the machine than fifty clients do.
+const SHARE: Duration = Duration::from_micros(100);
+
 /// A client that takes nothing for this long is gone.
 const SEND_TIMEOUT: Duration = Duration::from_secs(20);
 
@@ -122,10 +125,8 @@ async fn write<D: Dialect>(
         let mut parcel = client.outbox().take();
         let farewell = parcel.farewell.take();
         for part in parcel.parts(PART_ROWS) {
-            for frame in dialect.compose(part, &client, app.uptime_s()) {
-                if !send(&mut sink, frame).await {
-                    return;
-                }
+            if !send(&mut sink, dialect.compose(part, &client, app.uptime_s())).await {
+                return;
             }
         }
         if let Some(farewell) = farewell {
@@ -135,7 +136,7 @@ async fn write<D: Dialect>(
         if D::ONE_IN_FLIGHT && !acknowledged.wait(&mut sink).await {
             return;
         }
-        tokio::time::sleep(D::GAP).await;
+        tokio::time::sleep(D::GAP.max(SHARE * app.hub.crowd())).await;
     }
 }
 
@@ -143,7 +144,7 @@ impl Acknowledged {
     /// Asks and waits for the answer; `false` if the other side is gone.
     async fn wait(&self, sink: &mut SplitSink<WebSocket, Frame>) -> bool {
         self.awaited.store(true, Ordering::Relaxed);
-        if !send(sink, Frame::Ping(Bytes::new())).await {
+        if !send(sink, vec![Frame::Ping(Bytes::new())]).await {
             return false;
         }
         if tokio::time::timeout(SEND_TIMEOUT, self.arrived.notified()).await.is_ok() {
@@ -164,8 +165,15 @@ impl Acknowledged {
     }
 }
 
-async fn send(sink: &mut SplitSink<WebSocket, Frame>, frame: Frame) -> bool {
-    matches!(tokio::time::timeout(SEND_TIMEOUT, sink.send(frame)).await, Ok(Ok(())))
+/// Sends frames together: a viewer's tick is many of them, and each flush is a call of the system.
+async fn send(sink: &mut SplitSink<WebSocket, Frame>, frames: Vec<Frame>) -> bool {
+    let sending = async {
+        for frame in frames {
+            sink.feed(frame).await?;
+        }
+        sink.flush().await
+    };
+    matches!(tokio::time::timeout(SEND_TIMEOUT, sending).await, Ok(Ok(())))
 }
 
 async fn say_farewell(sink: &mut SplitSink<WebSocket, Frame>, farewell: Farewell) {

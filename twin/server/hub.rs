@@ -3,6 +3,7 @@
 //! A client that joins is given a snapshot and its place in the list under one lock, so it misses nothing that follows.
 
 use std::collections::{BTreeMap, VecDeque};
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use tokio::sync::Notify;
@@ -130,6 +131,7 @@ struct Shared {
 /// The meeting point of flight and clients.
 pub(super) struct Hub {
     shared: Mutex<Shared>,
+    crowd: AtomicU32,
 }
 
 impl Hub {
@@ -144,7 +146,13 @@ impl Hub {
                 flying: true,
                 holding: false,
             }),
+            crowd: AtomicU32::new(0),
         }
+    }
+
+    /// How many clients there are, without waiting for anybody.
+    pub(super) fn crowd(&self) -> u32 {
+        self.crowd.load(Ordering::Relaxed)
     }
 
     fn shared(&self) -> MutexGuard<'_, Shared> {
@@ -162,6 +170,7 @@ impl Hub {
         shared.next_id += 1;
         shared.clients.insert(client.id, Arc::clone(&client));
         shared.published.state.clients = shared.clients.len();
+        self.crowd.store(shared.clients.len() as u32, Ordering::Relaxed);
         let mut outbox = client.outbox();
         outbox.begin(shared.published.schema_id, false);
         outbox.start_over(Arc::new(shared.published.clone()));
@@ -178,6 +187,7 @@ impl Hub {
         let mut shared = self.shared();
         shared.clients.remove(&id);
         shared.published.state.clients = shared.clients.len();
+        self.crowd.store(shared.clients.len() as u32, Ordering::Relaxed);
     }
 
     /// What is published now.
