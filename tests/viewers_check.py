@@ -39,7 +39,9 @@ COMMANDS = {
     "set_object": [{"object", "path"}],
     "set_transform": [{"path", "matrix"}],
     "set_property": [{"path", "property", "value"}],
-    "set_control": [{"name", "callback"}, {"name", "callback", "keycode1"}, {"name", "callback", "value", "min", "max", "step"}],
+    "set_control": [{"name", "callback"}, {"name", "callback", "keycode1"}, {"name", "callback", "value", "min", "max", "step"},
+                    # Drake's sliders with keys.
+                    {"name", "callback", "value", "min", "max", "step", "keycode1", "keycode2"}],
     "set_control_value": [{"name", "value", "invoke_callback"}],
     "delete": [{"path"}],
     "set_animation": [{"animations", "options", "path"}],
