@@ -8,10 +8,9 @@ use twin::model::{Packages, Robot};
 use twin::residual::nn::Precision;
 use twin::residual::nn::kernels::Kernel;
 use twin::residual::trained;
-use twin::residual::weights::Weights;
 use twin::scenario::{Scenario, json_schema};
 
-use super::{End, Overrides};
+use super::{End, Overrides, read_weights};
 
 #[derive(Args)]
 pub(super) struct CheckArgs {
@@ -65,8 +64,7 @@ fn check(file: &Path, overrides: &[String]) -> anyhow::Result<String> {
 
 /// What a file of weights is of, once its predictor stands.
 fn weights(file: &Path) -> anyhow::Result<String> {
-    let bytes = std::fs::read(file).with_context(|| file.display().to_string())?;
-    let weights = Weights::from_bytes(&bytes).with_context(|| file.display().to_string())?;
+    let weights = read_weights(file)?;
     let trained = trained::predictor(&weights, Kernel::SCALAR, Precision::F32)
         .with_context(|| file.display().to_string())?;
     let head = &weights.head;

@@ -18,10 +18,12 @@ mod test_table;
 mod train;
 mod viewers;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use anyhow::Context;
 use clap::{Args, Parser, Subcommand};
+use twin::residual::weights::Weights;
 
 /// Digital twin of an aerial manipulator: contacts, residual learning, adaptive control, live console.
 #[derive(Parser)]
@@ -164,6 +166,14 @@ fn end_with_the_reader() {
         }
         usual(info);
     }));
+}
+
+/// The weights in `file`.
+fn read_weights(file: &Path) -> anyhow::Result<Weights> {
+    let bytes = std::fs::read(file).with_context(|| {
+        format!("{}: cannot be read; make weights with `twin train`", file.display())
+    })?;
+    Weights::from_bytes(&bytes).with_context(|| file.display().to_string())
 }
 
 /// The scenario that is flown when none is named.

@@ -8,6 +8,7 @@ pub mod sindy;
 use crate::notation::{Coords, N};
 use crate::residual::weights::{Head, WeightsError};
 use crate::residual::{HORIZON, History};
+use crate::tick::Forecast;
 
 pub use gp::Gp;
 pub use sindy::Sindy;
@@ -69,11 +70,13 @@ impl Standard {
         )
     }
 
-    /// Forces of z-scored targets, row by row within each horizon.
-    fn forces(&self, targets: &[f64]) -> Vec<Coords> {
-        targets
-            .chunks_exact(N)
-            .map(|z| Coords::from_column_slice(z).component_mul(&self.std) + self.mean)
-            .collect()
+    /// Forecast of z-scored targets, row by row within each horizon; there is no regime to adapt on.
+    fn forecast(&self, targets: &[f64]) -> Forecast {
+        let force = |z: &[f64]| Coords::from_column_slice(z).component_mul(&self.std) + self.mean;
+        Forecast {
+            base: targets.chunks_exact(N).map(force).collect(),
+            regime: Vec::new(),
+            attention: Vec::new(),
+        }
     }
 }

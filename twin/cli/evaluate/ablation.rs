@@ -7,8 +7,7 @@ use clap::Args;
 use twin::evaluate::ablation::{VARIANTS, Variant, flown, measure, statistics};
 use twin::scenario::Scenario;
 
-use super::read_weights;
-use crate::cli::{End, Overrides};
+use crate::cli::{End, Overrides, read_weights};
 
 #[derive(Args)]
 pub(super) struct AblationArgs {

@@ -6,11 +6,7 @@ mod pickup;
 mod prediction;
 mod tracking;
 
-use std::path::Path;
-
-use anyhow::Context;
 use clap::{Args, Subcommand};
-use twin::residual::weights::Weights;
 
 use super::End;
 
@@ -45,14 +41,6 @@ pub(super) fn run(args: &EvaluateArgs) -> anyhow::Result<End> {
         Table::L1(args) => Ok(l1::run(args)),
         Table::Acceptance(args) => super::acceptance::run(args),
     }
-}
-
-/// The weights in `file`.
-fn read_weights(file: &Path) -> anyhow::Result<Weights> {
-    let bytes = std::fs::read(file).with_context(|| {
-        format!("{}: cannot be read; make weights with `twin train`", file.display())
-    })?;
-    Weights::from_bytes(&bytes).with_context(|| file.display().to_string())
 }
 
 /// The command line as it was given, to make a table again.

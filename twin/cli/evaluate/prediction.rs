@@ -12,8 +12,7 @@ use twin::evaluate::{PredictionTable, Series, Statistics, prediction_page};
 use twin::residual::HORIZON;
 use twin::scenario::{Preset, Scenario};
 
-use super::read_weights;
-use crate::cli::End;
+use crate::cli::{End, read_weights};
 
 #[derive(Args)]
 pub(super) struct PredictionArgs {

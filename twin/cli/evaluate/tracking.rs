@@ -9,8 +9,7 @@ use twin::scenario::Verdict;
 use twin::scenario::cache::Cache;
 use twin::scenario::table::{COLUMNS, Job, Line, Outcome, PAPER, condense, fly_all};
 
-use super::read_weights;
-use crate::cli::{End, Overrides};
+use crate::cli::{End, Overrides, read_weights};
 
 #[derive(Args)]
 pub(super) struct TrackingArgs {

@@ -221,11 +221,7 @@ impl Predictor for Gp {
             self.x.iter().map(|x| self.signal * rbf(&z, x, &self.weights)),
         );
         let targets = &self.alpha * k;
-        Forecast {
-            base: self.standard.forces(targets.as_slice()),
-            regime: Vec::new(),
-            attention: Vec::new(),
-        }
+        self.standard.forecast(targets.as_slice())
     }
 }
 

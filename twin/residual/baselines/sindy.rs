@@ -139,11 +139,7 @@ impl Predictor for Sindy {
     fn predict(&mut self, history: &History) -> Forecast {
         let theta = DVector::from_vec(library(&self.standard.newest(history)));
         let targets = &self.coefficients * theta;
-        Forecast {
-            base: self.standard.forces(targets.as_slice()),
-            regime: Vec::new(),
-            attention: Vec::new(),
-        }
+        self.standard.forecast(targets.as_slice())
     }
 }
 
