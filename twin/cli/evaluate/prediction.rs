@@ -10,9 +10,9 @@ use twin::evaluate::fit::{Baseline, fit};
 use twin::evaluate::prediction::{rows, spreads};
 use twin::evaluate::{PredictionTable, Series, Statistics, prediction_page};
 use twin::residual::HORIZON;
-use twin::scenario::{Preset, Scenario};
+use twin::scenario::Scenario;
 
-use crate::cli::{End, read_weights};
+use crate::cli::{End, Overrides, read_weights};
 
 #[derive(Args)]
 pub(super) struct PredictionArgs {
@@ -35,7 +35,7 @@ pub(super) struct PredictionArgs {
     /// Where `sindy.safetensors` and `gp.safetensors` are written.
     #[arg(long, value_name = "DIR", default_value = "out/models")]
     models_dir: PathBuf,
-    /// The vehicle and the adapter's settings of rows without weights.
+    /// The vehicle and the adapter's settings.
     #[arg(long, value_name = "FILE", default_value = "scenarios/test_300g.toml")]
     scenario: PathBuf,
     /// Print one JSON object instead of a table.
@@ -44,6 +44,8 @@ pub(super) struct PredictionArgs {
     /// Write a page with pictures.
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
+    #[command(flatten)]
+    overrides: Overrides,
 }
 
 pub(super) fn run(args: &PredictionArgs) -> anyhow::Result<End> {
@@ -107,15 +109,15 @@ fn candidates(
     data_hash: &str,
     news: &dyn Fn(&str),
 ) -> anyhow::Result<Vec<Candidate>> {
-    let scenario = Scenario::load(&args.scenario, &[])?;
-    let tuning = scenario.preset_tuning(Preset::Tuned);
+    let scenario = Scenario::load(&args.scenario, &args.overrides.set)?;
+    let tuning = scenario.tuning()?;
     let mut all = Vec::new();
     for name in &args.models {
         let baseline = match name.as_str() {
             "sindy" => Baseline::Sindy,
             "gp" => Baseline::Gp,
             name => {
-                let row = untrained(name, &args.scenario);
+                let row = untrained(name, &args.scenario, &args.overrides.set);
                 let also = || {
                     format!("fitted here: sindy, gp; without fit: {}", untrained_names().join(", "))
                 };
