@@ -5,6 +5,9 @@ use plotters::prelude::*;
 /// Width and height of a picture, px.
 const SIZE_PX: (u32, u32) = (860, 300);
 
+/// The same of a map.
+const MAP_PX: (u32, u32) = (500, 420);
+
 /// Okabe and Ito's colours without black and yellow.
 const COLOURS: [RGBColor; 6] = [
     RGBColor(213, 94, 0),
@@ -14,6 +17,9 @@ const COLOURS: [RGBColor; 6] = [
     RGBColor(230, 159, 0),
     RGBColor(86, 180, 233),
 ];
+
+/// What margins, title and labels of the axes take of width and height, px.
+const SIDES_PX: (u32, u32) = (84, 84);
 
 /// Part of the height that is kept free for the legend.
 const LEGEND: f64 = 0.25;
@@ -45,6 +51,8 @@ pub struct Picture {
     pub curves: Vec<Curve>,
     /// Moments.
     pub marks: Vec<(f64, String)>,
+    /// Both axes in one scale, as on a map.
+    pub map: bool,
 }
 
 impl Picture {
@@ -58,11 +66,17 @@ impl Picture {
     }
 
     fn draw(&self, text: &mut String) -> Result<(), Box<dyn std::error::Error>> {
-        let area = SVGBackend::with_string(text, SIZE_PX).into_drawing_area();
+        let size = if self.map { MAP_PX } else { SIZE_PX };
+        let area = SVGBackend::with_string(text, size).into_drawing_area();
         area.fill(&WHITE)?;
         let points = || self.curves.iter().flat_map(|curve| &curve.points);
-        let xs = span(points().map(|(x, _)| *x), 0.0, 0.0);
-        let ys = span(points().map(|(_, y)| *y), 0.05, LEGEND);
+        let mut xs = span(points().map(|(x, _)| *x), 0.0, 0.0);
+        let mut ys = span(points().map(|(_, y)| *y), 0.05, LEGEND);
+        if self.map {
+            let inner = [MAP_PX.0 - SIDES_PX.0, MAP_PX.1 - SIDES_PX.1].map(f64::from);
+            let scale = ((xs.end - xs.start) / inner[0]).max((ys.end - ys.start) / inner[1]);
+            (xs, ys) = (about(&xs, scale * inner[0]), about(&ys, scale * inner[1]));
+        }
         let mut chart = ChartBuilder::on(&area)
             .margin(10)
             .caption(&self.title, ("sans-serif", 16))
@@ -123,6 +137,12 @@ fn span(values: impl Iterator<Item = f64>, below: f64, above: f64) -> std::ops::
     low - below * size..high + above * size
 }
 
+/// A range of `size` with the same middle.
+fn about(range: &std::ops::Range<f64>, size: f64) -> std::ops::Range<f64> {
+    let middle = (range.start + range.end) / 2.0;
+    middle - size / 2.0..middle + size / 2.0
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -140,6 +160,7 @@ mod tests {
             y: "N".into(),
             curves: vec![curve("measured", 1.0), curve("forecast", 2.0)],
             marks: vec![(2.0, "reset".into())],
+            map: false,
         };
         let svg = picture.svg();
         for word in ["a title", "t, s", "measured", "forecast", "reset"] {

@@ -6,7 +6,9 @@ use serde::Serialize;
 
 use super::entrants::{Candidate, Paper};
 use super::replay::{Replayed, replay};
+use super::score::Horizon;
 use super::series::{Series, Statistics};
+use super::sheet::{Sheet, figure};
 use crate::residual::HORIZON;
 
 /// One line.
@@ -95,6 +97,47 @@ pub struct PredictionTable {
     pub rows: Vec<Row>,
     /// Mean and deviation over trainings with several seeds.
     pub spreads: Vec<Spread>,
+}
+
+impl PredictionTable {
+    /// The table as cells, every horizon in it.
+    pub fn sheet(&self) -> Sheet {
+        let head = ["row", "label", "parameters", "weights", "trained on"];
+        let horizons = ["RMSE z", "R²", "RMSE N", "RMSE N m"]
+            .iter()
+            .flat_map(|what| (0..=HORIZON).map(move |j| format!("{what}, j = {j}")));
+        let tail = ["leverage", "resets", "ms p50", "ms p99", "paper RMSE", "paper R²", "paper ms"];
+        let own = |words: &[&str]| words.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>();
+        let mut sheet = Sheet::new(own(&head).into_iter().chain(horizons).chain(own(&tail)));
+        sheet.rows.extend(self.rows.iter().map(Row::cells));
+        sheet
+    }
+}
+
+impl Row {
+    fn cells(&self) -> Vec<String> {
+        let r = &self.replayed;
+        let known = |text: &Option<String>| text.clone().unwrap_or_default();
+        let mut cells = vec![
+            self.name.clone(),
+            self.label.clone(),
+            self.parameters.map_or_else(String::new, |n| n.to_string()),
+            self.weights.as_ref().map_or_else(String::new, |file| file.display().to_string()),
+            known(&self.trained_on),
+        ];
+        for of in [
+            |h: &Horizon| h.rmse_z,
+            |h: &Horizon| h.r2,
+            |h: &Horizon| h.rmse_n,
+            |h: &Horizon| h.rmse_n_m,
+        ] {
+            cells.extend(r.horizons.iter().map(|h| figure(Some(of(h)), 4)));
+        }
+        cells.extend([figure(Some(r.leverage), 3), r.resets.to_string()]);
+        cells.extend([r.inference_ms_p50, r.inference_ms_p99].map(|ms| figure(Some(ms), 3)));
+        cells.extend((0..3).map(|i| figure(self.paper.map(|paper| paper[i]), 3)));
+        cells
+    }
 }
 
 /// Replays `series` through the candidates, one after the other, so that their times can be compared; `done` is told the name of

@@ -12,6 +12,7 @@ use twin::evaluate::{PredictionTable, Series, Statistics, prediction_page};
 use twin::residual::HORIZON;
 use twin::scenario::Scenario;
 
+use super::output::Output;
 use crate::cli::{End, Overrides, read_weights};
 
 #[derive(Args)]
@@ -38,12 +39,8 @@ pub(super) struct PredictionArgs {
     /// The vehicle and the adapter's settings.
     #[arg(long, value_name = "FILE", default_value = "scenarios/test_300g.toml")]
     scenario: PathBuf,
-    /// Print one JSON object instead of a table.
-    #[arg(long)]
-    json: bool,
-    /// Write a page with pictures.
-    #[arg(long, value_name = "FILE")]
-    html: Option<PathBuf>,
+    #[command(flatten)]
+    output: Output,
     #[command(flatten)]
     overrides: Overrides,
 }
@@ -79,12 +76,8 @@ pub(super) fn run(args: &PredictionArgs) -> anyhow::Result<End> {
         spreads: spreads(&rows),
         rows,
     };
-    if let Some(path) = &args.html {
-        std::fs::write(path, prediction_page(&table, &series))
-            .with_context(|| format!("{}: cannot be written", path.display()))?;
-        eprintln!("wrote {}", path.display());
-    }
-    if args.json {
+    args.output.write(&table.sheet(), || Ok(prediction_page(&table, &series)))?;
+    if args.output.json {
         println!("{}", serde_json::to_string(&table)?);
     } else {
         print_table(&table);
