@@ -6,7 +6,7 @@ use plotters::prelude::*;
 const SIZE_PX: (u32, u32) = (860, 300);
 
 /// The same of a map.
-const MAP_PX: (u32, u32) = (500, 420);
+const MAP_PX: (u32, u32) = (640, 420);
 
 /// Okabe and Ito's colours without black and yellow.
 const COLOURS: [RGBColor; 6] = [
@@ -19,10 +19,10 @@ const COLOURS: [RGBColor; 6] = [
 ];
 
 /// What margins, title and labels of the axes take of width and height, px.
-const SIDES_PX: (u32, u32) = (84, 84);
+const SIDES_PX: (u32, u32) = (74 + LEGEND_PX.0, 84);
 
-/// Part of the height that is kept free for the legend.
-const LEGEND: f64 = 0.25;
+/// Width kept free for the legend, right of the curves where it covers none, and the height of its lines, px.
+const LEGEND_PX: (u32, i32) = (170, 18);
 
 /// Dashes and gaps of a mark.
 const DASHES: u32 = 40;
@@ -70,8 +70,8 @@ impl Picture {
         let area = SVGBackend::with_string(text, size).into_drawing_area();
         area.fill(&WHITE)?;
         let points = || self.curves.iter().flat_map(|curve| &curve.points);
-        let mut xs = span(points().map(|(x, _)| *x), 0.0, 0.0);
-        let mut ys = span(points().map(|(_, y)| *y), 0.05, LEGEND);
+        let mut xs = span(points().map(|(x, _)| *x), 0.0);
+        let mut ys = span(points().map(|(_, y)| *y), 0.05);
         if self.map {
             let inner = [MAP_PX.0 - SIDES_PX.0, MAP_PX.1 - SIDES_PX.1].map(f64::from);
             let scale = ((xs.end - xs.start) / inner[0]).max((ys.end - ys.start) / inner[1]);
@@ -79,6 +79,7 @@ impl Picture {
         }
         let mut chart = ChartBuilder::on(&area)
             .margin(10)
+            .margin_right(LEGEND_PX.0)
             .caption(&self.title, ("sans-serif", 16))
             .x_label_area_size(38)
             .y_label_area_size(64)
@@ -103,30 +104,24 @@ impl Picture {
             chart.draw_series([Text::new(name.clone(), (*at, ys.start), style)])?;
         }
         let mut colours = COLOURS.iter().cycle();
-        for curve in &self.curves {
+        for (curve, line) in self.curves.iter().zip(1..) {
+            let y = 30 + line * LEGEND_PX.1;
             let colour =
                 if curve.measured { BLACK } else { *colours.next().unwrap_or(&COLOURS[0]) };
             let style = colour.stroke_width(if curve.measured { 2 } else { 1 });
             let finite = curve.points.iter().copied().filter(|(x, y)| (x + y).is_finite());
-            chart
-                .draw_series([PathElement::new(finite.collect::<Vec<_>>(), style)])?
-                .label(&curve.name)
-                .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], style));
+            chart.draw_series([PathElement::new(finite.collect::<Vec<_>>(), style)])?;
+            let at = (size.0.cast_signed() - LEGEND_PX.0.cast_signed() + 12, y);
+            area.draw(&PathElement::new([at, (at.0 + 18, y)], style))?;
+            area.draw(&Text::new(curve.name.clone(), (at.0 + 24, y - 6), ("sans-serif", 12)))?;
         }
-        chart
-            .configure_series_labels()
-            .position(SeriesLabelPosition::UpperRight)
-            .background_style(WHITE.mix(0.85))
-            .border_style(BLACK.mix(0.3))
-            .label_font(("sans-serif", 12))
-            .draw()?;
         area.present()?;
         Ok(())
     }
 }
 
-/// From the smallest to the largest finite value with a margin below and above, as parts of the range; never empty.
-fn span(values: impl Iterator<Item = f64>, below: f64, above: f64) -> std::ops::Range<f64> {
+/// From the smallest to the largest finite value with a margin on both sides, as a part of the range; never empty.
+fn span(values: impl Iterator<Item = f64>, margin: f64) -> std::ops::Range<f64> {
     let (low, high) = values
         .filter(|v| v.is_finite())
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
@@ -134,7 +129,7 @@ fn span(values: impl Iterator<Item = f64>, below: f64, above: f64) -> std::ops::
         return 0.0..1.0;
     }
     let size = (high - low).max(1e-9);
-    low - below * size..high + above * size
+    low - margin * size..high + margin * size
 }
 
 /// A range of `size` with the same middle.
@@ -167,6 +162,6 @@ mod tests {
             assert!(svg.contains(word), "{word}");
         }
         assert!(svg.starts_with("<svg") && !svg.contains("NaN"));
-        assert_eq!(span([f64::NAN].into_iter(), 0.0, 0.0), 0.0..1.0);
+        assert_eq!(span([f64::NAN].into_iter(), 0.0), 0.0..1.0);
     }
 }
