@@ -134,7 +134,7 @@ fn span(values: impl Iterator<Item = f64>, margin: f64) -> std::ops::Range<f64> 
 
 /// A range of `size` with the same middle.
 fn about(range: &std::ops::Range<f64>, size: f64) -> std::ops::Range<f64> {
-    let middle = (range.start + range.end) / 2.0;
+    let middle = f64::midpoint(range.start, range.end);
     middle - size / 2.0..middle + size / 2.0
 }
 
