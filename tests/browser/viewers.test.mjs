@@ -180,6 +180,33 @@ test("both stock viewers draw the trails, and each hides them for itself alone",
   await both(({ meshcat, viser }) => meshcat.visible && viser.visible, "shown in both");
 });
 
+test("both stock viewers point an arrow as long as the residual, viser names what it draws, and MeshCat saves its picture", LIMIT, async () => {
+  // It has flown some seconds, so both arrows carry the weight of more than 3 kg, at 12.5 mm per newton.
+  const heavy = (length) => length > 0.3 && length < 0.6;
+  const needle = () => meshcat.page.evaluate(() => globalThis.viewer.scene_tree.find(["twin", "forces", "estimate"]).object.scale.y);
+  await until(async () => heavy(await needle()), SOON, "MeshCat's arrow");
+  // viser draws shafts and heads as two instanced meshes below the node.
+  const inViser = () => viser.page.evaluate(() => {
+    const nodes = globalThis.__viserMutable.nodeRefFromName;
+    const counts = (name) => {
+      const found = [];
+      nodes[name]?.traverse((one) => one.isInstancedMesh && found.push(one.count));
+      return found;
+    };
+    return { arrow: counts("/twin/forces/estimate"), marks: counts("/twin/trails/attitude"), labels: Object.keys(nodes).filter((name) => name.endsWith("/label")) };
+  });
+  let said;
+  const drawn = async () => {
+    said = await inViser();
+    return said.labels.length === 3 && said.arrow.some((count) => count === 1) && said.marks.some((count) => count > 2);
+  };
+  await until(drawn, SOON, () => `arrow, marks and labels of viser: ${JSON.stringify(said)}`);
+  const [saved] = await Promise.all([meshcat.page.waitForEvent("download", { timeout: SOON }), press("Save picture")]);
+  assert.match(saved.suggestedFilename(), /\.png$/);
+  await press("Show / hide forces");
+  await until(() => meshcat.page.evaluate(() => !globalThis.viewer.scene_tree.find(["twin", "forces"]).object.visible), SOON, "hidden");
+});
+
 test("the current MeshCat holds the flight and moves a gain with keys, sets a gain, and shows the real-time rate", LIMIT, async () => {
   assert.notEqual((await state()).phase, "ended");
   const before = (await state()).phase;
