@@ -20,6 +20,7 @@ import base64
 import json
 import os
 import pathlib
+import signal
 import socket
 import statistics
 import struct
@@ -67,10 +68,15 @@ def feed_meshcat(rate_hz):
         body.set_object(g.Box([0.1, 0.1, 0.1]))
     print(viewer.url().split("/")[2], flush=True)
     matrix = np.eye(4)
-    for _ in ticks(rate_hz):
-        matrix[0, 3] = time.time()
-        for body in bodies:
-            body.set_transform(matrix)
+    # Its server is a process in a session of its own, which outlives us otherwise.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit())
+    try:
+        for _ in ticks(rate_hz):
+            matrix[0, 3] = time.time()
+            for body in bodies:
+                body.set_transform(matrix)
+    finally:
+        viewer.window.server_proc.kill()
 
 
 def feed_viser(rate_hz):
