@@ -50,20 +50,14 @@ pub struct Picture {
 impl Picture {
     /// As SVG; empty if there is nothing to draw.
     pub fn svg(&self) -> String {
-        let mut text = String::new();
-        match self.draw(&mut text) {
-            Ok(()) => text,
-            Err(_) => String::new(),
-        }
+        stacked(std::slice::from_ref(self))
     }
 
-    fn draw(&self, text: &mut String) -> Result<(), Box<dyn std::error::Error>> {
-        let area = SVGBackend::with_string(text, SIZE_PX).into_drawing_area();
-        area.fill(&WHITE)?;
+    fn draw(&self, area: &Area<'_>) -> Result<(), Box<dyn std::error::Error>> {
         let points = || self.curves.iter().flat_map(|curve| &curve.points);
         let xs = span(points().map(|(x, _)| *x), 0.0, 0.0);
         let ys = span(points().map(|(_, y)| *y), 0.05, LEGEND);
-        let mut chart = ChartBuilder::on(&area)
+        let mut chart = ChartBuilder::on(area)
             .margin(10)
             .caption(&self.title, ("sans-serif", 16))
             .x_label_area_size(38)
@@ -106,9 +100,30 @@ impl Picture {
             .border_style(BLACK.mix(0.3))
             .label_font(("sans-serif", 12))
             .draw()?;
-        area.present()?;
         Ok(())
     }
+}
+
+type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
+
+/// One SVG of these pictures below each other; empty if there is nothing to draw.
+pub fn stacked(pictures: &[Picture]) -> String {
+    let mut text = String::new();
+    match draw_all(&mut text, pictures) {
+        Ok(()) => text,
+        Err(_) => String::new(),
+    }
+}
+
+fn draw_all(text: &mut String, pictures: &[Picture]) -> Result<(), Box<dyn std::error::Error>> {
+    let height = SIZE_PX.1 * u32::try_from(pictures.len())?;
+    let area = SVGBackend::with_string(text, (SIZE_PX.0, height)).into_drawing_area();
+    area.fill(&WHITE)?;
+    for (picture, part) in pictures.iter().zip(area.split_evenly((pictures.len(), 1))) {
+        picture.draw(&part)?;
+    }
+    area.present()?;
+    Ok(())
 }
 
 /// From the smallest to the largest finite value with a margin below and above, as parts of the range; never empty.
@@ -142,6 +157,8 @@ mod tests {
             marks: vec![(2.0, "reset".into())],
         };
         let svg = picture.svg();
+        let both = stacked(&[picture.clone(), picture]);
+        assert_eq!(both.matches("a title").count(), 2);
         for word in ["a title", "t, s", "measured", "forecast", "reset"] {
             assert!(svg.contains(word), "{word}");
         }
