@@ -5,6 +5,7 @@
 pub mod ablation;
 pub mod entrants;
 pub mod fit;
+pub mod mirrored;
 mod page;
 pub mod paths;
 pub mod pickup;

@@ -58,17 +58,15 @@ pub struct Picture {
 impl Picture {
     /// As SVG; empty if there is nothing to draw.
     pub fn svg(&self) -> String {
-        let mut text = String::new();
-        match self.draw(&mut text) {
-            Ok(()) => text,
-            Err(_) => String::new(),
-        }
+        stacked(std::slice::from_ref(self))
     }
 
-    fn draw(&self, text: &mut String) -> Result<(), Box<dyn std::error::Error>> {
-        let size = if self.map { MAP_PX } else { SIZE_PX };
-        let area = SVGBackend::with_string(text, size).into_drawing_area();
-        area.fill(&WHITE)?;
+    /// Width and height, px.
+    fn size(&self) -> (u32, u32) {
+        if self.map { MAP_PX } else { SIZE_PX }
+    }
+
+    fn draw(&self, area: &Area<'_>) -> Result<(), Box<dyn std::error::Error>> {
         let points = || self.curves.iter().flat_map(|curve| &curve.points);
         let mut xs = span(points().map(|(x, _)| *x), 0.0);
         let mut ys = span(points().map(|(_, y)| *y), 0.05);
@@ -77,7 +75,7 @@ impl Picture {
             let scale = ((xs.end - xs.start) / inner[0]).max((ys.end - ys.start) / inner[1]);
             (xs, ys) = (about(&xs, scale * inner[0]), about(&ys, scale * inner[1]));
         }
-        let mut chart = ChartBuilder::on(&area)
+        let mut chart = ChartBuilder::on(area)
             .margin(10)
             .margin_right(LEGEND_PX.0)
             .caption(&self.title, ("sans-serif", 16))
@@ -111,13 +109,37 @@ impl Picture {
             let style = colour.stroke_width(if curve.measured { 2 } else { 1 });
             let finite = curve.points.iter().copied().filter(|(x, y)| (x + y).is_finite());
             chart.draw_series([PathElement::new(finite.collect::<Vec<_>>(), style)])?;
-            let at = (size.0.cast_signed() - LEGEND_PX.0.cast_signed() + 12, y);
+            let at = (self.size().0.cast_signed() - LEGEND_PX.0.cast_signed() + 12, y);
             area.draw(&PathElement::new([at, (at.0 + 18, y)], style))?;
             area.draw(&Text::new(curve.name.clone(), (at.0 + 24, y - 6), ("sans-serif", 12)))?;
         }
-        area.present()?;
         Ok(())
     }
+}
+
+type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
+
+/// One SVG of these pictures below each other; empty if there is nothing to draw.
+pub fn stacked(pictures: &[Picture]) -> String {
+    let mut text = String::new();
+    match draw_all(&mut text, pictures) {
+        Ok(()) => text,
+        Err(_) => String::new(),
+    }
+}
+
+fn draw_all(text: &mut String, pictures: &[Picture]) -> Result<(), Box<dyn std::error::Error>> {
+    let width = pictures.iter().map(|picture| picture.size().0).max().unwrap_or(SIZE_PX.0);
+    let height = pictures.iter().map(|picture| picture.size().1).sum();
+    let mut rest = SVGBackend::with_string(text, (width, height)).into_drawing_area();
+    rest.fill(&WHITE)?;
+    for picture in pictures {
+        let (part, below) = rest.split_vertically(picture.size().1);
+        picture.draw(&part)?;
+        rest = below;
+    }
+    rest.present()?;
+    Ok(())
 }
 
 /// From the smallest to the largest finite value with a margin on both sides, as a part of the range; never empty.
@@ -158,6 +180,8 @@ mod tests {
             map: false,
         };
         let svg = picture.svg();
+        let both = stacked(&[picture.clone(), picture]);
+        assert_eq!(both.matches("a title").count(), 2);
         for word in ["a title", "t, s", "measured", "forecast", "reset"] {
             assert!(svg.contains(word), "{word}");
         }
