@@ -44,6 +44,7 @@ COMMANDS = {
                     {"name", "callback", "value", "min", "max", "step", "keycode1", "keycode2"}],
     "set_control_value": [{"name", "value", "invoke_callback"}],
     "delete": [{"path"}],
+    "set_target": [{"value"}],
     "set_animation": [{"animations", "options", "path"}],
     "notice": [{"text"}],
     "show_realtime_rate": [{"show"}],
@@ -58,6 +59,9 @@ SHAPES = {
     ("MeshProps", "faces"): (-1, 3),
     ("LineSegmentsProps", "points"): (-1, 2, 3),
     ("LineSegmentsProps", "colors"): (-1, 2, 3),
+    ("ArrowProps", "points"): (-1, 2, 3),
+    ("BatchedAxesProps", "batched_wxyzs"): (-1, 4),
+    ("BatchedAxesProps", "batched_positions"): (-1, 3),
 }
 
 
@@ -182,6 +186,10 @@ def fill_buffers(value, buffers):
     return {key: fill_buffers(inner, buffers) for key, inner in value.items()}
 
 
+# Nodes of which properties change.
+CHANGING = ("LineSegmentsMessage", "ArrowMessage", "BatchedAxesMessage")
+
+
 class ViserClient:
     def __init__(self):
         self.kinds = Counter()
@@ -197,7 +205,8 @@ class ViserClient:
         check(kind in self.classes, f"viser: there is no message {kind}")
         message = build(self.classes[kind], fields)
         self.kinds[kind] += 1
-        if hasattr(message, "props") and hasattr(message, "uuid") or kind.startswith("LineSegments"):
+        # Those whose properties are changed later.
+        if hasattr(message, "props") and (hasattr(message, "uuid") or kind in CHANGING):
             self.elements[getattr(message, "uuid", None) or message.name] = message
         if hasattr(message, "updates"):
             self.update(getattr(message, "uuid", None) or message.name, message.updates)
@@ -215,6 +224,10 @@ class ViserClient:
         if isinstance(element, _messages.LineSegmentsMessage):
             points, colors = element.props.points, element.props.colors
             check(points.shape == colors.shape, f"viser: {name}: {points.shape} points, {colors.shape} colours")
+        if isinstance(element, _messages.BatchedAxesMessage):
+            turns, places = element.props.batched_wxyzs, element.props.batched_positions
+            check(len(turns) == len(places) > 0, f"viser: {name}: {len(turns)} turns, {len(places)} places")
+            check(np.allclose(np.linalg.norm(turns, axis=1), 1.0, atol=1e-6), f"viser: {name}: no unit quaternions")
 
 
 def gains(address):
@@ -234,8 +247,15 @@ def watch_viser(address):
             frames, size = frames + 1, size + len(frame)
     value = gains(address)["slope.x"]
     check(value == 1.5, f"viser: the slider's gain is {value}")
-    for kind in ("FrameMessage", "LineSegmentsMessage", "SceneNodeUpdateMessage", "GuiUpdateMessage", "GuiUplotMessage"):
+    wanted = ("FrameMessage", "LabelMessage", "SceneNodeUpdateMessage", "GuiUpdateMessage", "GuiUplotMessage")
+    for kind in (*wanted, *CHANGING):
         check(client.kinds[kind], f"viser: no {kind}")
+    marks = client.elements["/twin/trails/attitude"].props.batched_positions
+    check(len(marks) > 2, f"viser: {len(marks)} marks of the way in {WATCHED_S} s")
+    for name in ("residual", "estimate"):
+        foot, tip = client.elements[f"/twin/forces/{name}"].props.points[0]
+        # The weight of 3 kg and more at 12.5 mm per newton.
+        check(0.3 < tip[2] - foot[2] < 0.6, f"viser: the arrow {name} reaches from {foot} to {tip}")
     print(f"viser: {frames} frames, {size} bytes, all understood: {dict(client.kinds.most_common())}")
 
 

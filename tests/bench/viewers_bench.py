@@ -1,29 +1,44 @@
 """Delivered ticks per second and latency at the socket: this server against meshcat-python's and viser's own.
 
-Each of the two servers is fed 12 bodies, first 100 times a second and then as often as it takes them; ours flies a scenario
-in real time and then at `--speed max`. One client reads everything; what it read is taken apart afterwards. A tick's
-latency is how much later it arrived than it was handed over, above that of the fastest tick of the run, because our clock
-starts with the flight. Ours is given twice: since the tick was due, which also counts a flight that lags, and since its
-frame was written. A tick counts as delivered when it arrived. The console's protocol carries every tick; those of the stock
-viewers carry the newest poses, which is every tick for a client that takes them as fast as they are flown.
+All three show 12 poses a tick. The two other servers are fed 12 boxes, first 100 times a second and then as often as they
+take them; ours flies in real time and then at `--speed max`. It flies a bare quadrotor with ten more links that hang on it,
+because an arm is simulated more slowly than the server sends. One client reads: it takes bytes from its socket, answers
+pings and notes when each frame came; what the frames say is taken apart afterwards. It is the same for all, and as light as
+Python is, because a reading library would be slower than the servers. Rounds take turns, so that what else the machine does
+falls on all.
 
-Usage: viewers_bench.py TWIN SCENARIO.toml        (needs: meshcat 0.3.2, viser 1.1.1)
+A tick's latency is how much later it arrived than it was handed over, above that of the fastest tick of the run, because our
+clock starts with the flight. Ours is given twice: since the tick was due, which also counts a flight that lags, and since its
+frame was written. A tick counts as delivered when it arrived. The console's protocol carries every tick; those of the stock
+viewers carry the newest poses, which is every tick for a program that takes them as fast as they are flown.
+
+Usage: viewers_bench.py TWIN [ROUNDS]        (needs: meshcat 0.3.2, viser 1.1.1)
 Reports, asserts nothing. It wants a machine that does nothing else.
 """
 
+import base64
+import json
 import os
+import pathlib
+import signal
 import socket
 import statistics
 import struct
 import subprocess
 import sys
+import tempfile
 import time
+import urllib.request
+from collections import defaultdict
 
 BODIES = 12
 RATE_HZ = 100.0
-MEASURED_S = 8.0
-SETTLING_S = 2.0
+MEASURED_S = 5.0
+SETTLING_S = 1.5
 PATIENCE_S = 60.0
+ROOT = pathlib.Path(__file__).parents[2]
+URDF = ROOT / "urdf" / "quadrotor.urdf"
+SCENARIO = ROOT / "scenarios" / "quadrotor.toml"
 
 
 def free_port():
@@ -53,10 +68,15 @@ def feed_meshcat(rate_hz):
         body.set_object(g.Box([0.1, 0.1, 0.1]))
     print(viewer.url().split("/")[2], flush=True)
     matrix = np.eye(4)
-    for _ in ticks(rate_hz):
-        matrix[0, 3] = time.time()
-        for body in bodies:
-            body.set_transform(matrix)
+    # Its server is a process in a session of its own, which outlives us otherwise.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit())
+    try:
+        for _ in ticks(rate_hz):
+            matrix[0, 3] = time.time()
+            for body in bodies:
+                body.set_transform(matrix)
+    finally:
+        viewer.window.server_proc.kill()
 
 
 def feed_viser(rate_hz):
@@ -66,41 +86,98 @@ def feed_viser(rate_hz):
     bodies = [server.scene.add_box(f"/body{k}") for k in range(BODIES)]
     print(f"127.0.0.1:{server.get_port()}", flush=True)
     for tick, _ in enumerate(ticks(rate_hz)):
-        # viser sends no position that is close to the last; so the time is a small number, and y tells ticks apart.
+        # viser sends no pose that is close to the last; so the time is a small number, and y and a sign tell ticks apart.
         now = time.time() % 1000.0
         for body in bodies:
             body.position = (now, float(tick % 2), 0.0)
+            body.wxyz = (0.6, 0.8, 0.0, 0.0) if tick % 2 else (0.8, 0.6, 0.0, 0.0)
 
 
-def read(url, subprotocols=None):
-    """Frames with the time each arrived at, after some time to settle."""
-    from websockets.sync.client import connect
+class Wire:
+    """One WebSocket as a client reads it that does nothing else."""
 
-    frames, ends = [], time.time() + SETTLING_S + MEASURED_S
-    with connect(url, subprotocols=subprotocols, max_size=None, open_timeout=PATIENCE_S) as wire:
-        while time.time() < ends:
-            frame = wire.recv(timeout=PATIENCE_S)
-            frames.append((time.time(), frame))
-    starts = frames[0][0] + SETTLING_S
+    def __init__(self, address, path, subprotocol=None):
+        host, port = address.split(":")
+        self.socket = socket.create_connection((host, int(port)), PATIENCE_S)
+        self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        key = base64.b64encode(os.urandom(16)).decode()
+        asked = [f"GET {path} HTTP/1.1", f"Host: {address}", "Upgrade: websocket", "Connection: Upgrade"]
+        asked += [f"Sec-WebSocket-Key: {key}", "Sec-WebSocket-Version: 13"]
+        asked += [f"Sec-WebSocket-Protocol: {subprotocol}"] if subprotocol else []
+        self.socket.sendall("\r\n".join([*asked, "", ""]).encode())
+        said = b""
+        while b"\r\n\r\n" not in said:
+            said += self.socket.recv(65536)
+        head, rest = said.split(b"\r\n\r\n", 1)
+        self.waiting = bytearray(rest)
+        if b" 101 " not in head:
+            sys.exit(f"viewers_bench: {address}{path} answers {head[:80]}")
+
+    def read(self, seconds):
+        """Frames with the time each arrived at."""
+        frames, ends = [], time.time() + seconds
+        while True:
+            at = time.time()
+            del self.waiting[: self.take(at, frames)]
+            if at >= ends:
+                return frames
+            self.waiting += self.socket.recv(1 << 20)
+
+    def take(self, at, frames):
+        """Moves all whole frames over; how many bytes they took."""
+        waiting, here, have = self.waiting, 0, len(self.waiting)
+        while here + 2 <= have:
+            kind, length, start = waiting[here], waiting[here + 1], here + 2
+            if length >= 126:
+                size = 2 if length == 126 else 8
+                if start + size > have:
+                    break
+                length = int.from_bytes(waiting[start : start + size])
+                start += size
+            if start + length > have:
+                break
+            payload = bytes(waiting[start : start + length])
+            here = start + length
+            if kind == 0x89:
+                # Masked with nothing.
+                self.socket.sendall(bytes([0x8A, 0x80 | length, 0, 0, 0, 0]) + payload)
+            elif kind == 0x82:
+                frames.append((at, payload))
+        return here
+
+
+def read(address, path, subprotocol=None):
+    """Binary frames with the time each arrived at, after some time to settle."""
+    frames = Wire(address, path, subprotocol).read(SETTLING_S + MEASURED_S)
+    starts = frames[-1][0] - MEASURED_S
     return [(at, frame) for at, frame in frames if at >= starts]
 
 
-def arrivals_meshcat(frames):
+def commands(frames):
     import umsgpack
 
     for at, frame in frames:
-        command = umsgpack.unpackb(frame)
-        if command["type"] == "set_transform" and command["path"].endswith("body0"):
-            yield at, command["matrix"][12]
+        # Telling the kind apart before unpacking spares the wait for what is not looked at.
+        if b"set_transform" in frame:
+            yield at, umsgpack.unpackb(frame)
 
 
-def arrivals_viser(frames):
+def arrivals_meshcat(frames):
+    return [(at, one["matrix"][12]) for at, one in commands(frames) if one["path"].endswith("body0")]
+
+
+def batches(frames):
     import msgspec
     import zstandard
 
     for at, frame in frames:
         packed = struct.unpack_from("<QQ", frame)[1]
-        inner = msgspec.msgpack.decode(zstandard.ZstdDecompressor().decompress(frame[16 : 16 + packed]))
+        inner = zstandard.ZstdDecompressor().decompress(frame[16 : 16 + packed])
+        yield at, msgspec.msgpack.decode(inner)
+
+
+def arrivals_viser(frames):
+    for at, inner in batches(frames):
         for message in inner["messages"]:
             if message["type"] == "SetPositionMessage" and message["name"] == "/body0":
                 yield at, at - (at - message["position"][0]) % 1000.0
@@ -108,110 +185,152 @@ def arrivals_viser(frames):
 
 def arrivals_ours(frames, since_due):
     for at, frame in frames:
-        if isinstance(frame, bytes):
-            first, rows = struct.unpack_from("<IH", frame, 4)
-            written = struct.unpack_from("<d", frame, 32)[0]
-            for tick in range(first, first + rows):
-                yield at, tick / RATE_HZ if since_due else written
+        first, rows = struct.unpack_from("<IH", frame, 4)
+        written = struct.unpack_from("<d", frame, 32)[0]
+        for tick in range(first, first + rows):
+            yield at, tick / RATE_HZ if since_due else written
 
 
 def arrivals_ours_meshcat(frames):
-    import umsgpack
-
-    for at, frame in frames:
-        command = umsgpack.unpackb(frame)
-        if command["type"] == "set_transform" and command["path"] == "/twin/base_link":
-            yield at, at
+    return [(at, at) for at, one in commands(frames) if one["path"] == "/twin/base_link"]
 
 
 def arrivals_ours_viser(frames):
-    import msgspec
-    import zstandard
-
-    for at, frame in frames:
-        packed = struct.unpack_from("<QQ", frame)[1]
-        inner = msgspec.msgpack.decode(zstandard.ZstdDecompressor().decompress(frame[16 : 16 + packed]))
+    for at, inner in batches(frames):
         if any(one["type"] == "SetPositionMessage" and one["name"] == "/twin/base_link" for one in inner["messages"]):
             yield at, inner["timestampSec"]
 
 
-def report(name, arrivals, frames, timed=True):
-    arrivals = list(arrivals)
-    rate = len(arrivals) / MEASURED_S
-    size = sum(len(frame) for _, frame in frames) / MEASURED_S / 1000
-    line = f"{name:34} {rate:8.1f} ticks/s {size:9.1f} kB/s"
-    if timed and len(arrivals) > 1:
-        lags = [1000 * (at - sent) for at, sent in arrivals]
-        best = min(lags)
-        cuts = statistics.quantiles([lag - best for lag in lags], n=20)
-        line += f"   p50 {cuts[9]:6.2f} ms   p95 {cuts[18]:6.2f} ms"
-    print(line, flush=True)
+class Results:
+    """Ticks per second, and lags in ms, of each kind of run over all rounds."""
+
+    def __init__(self):
+        self.rates, self.lags, self.sizes = defaultdict(list), defaultdict(list), defaultdict(list)
+
+    def add(self, name, arrivals, frames, timed=True):
+        arrivals = list(arrivals)
+        self.rates[name].append(len(arrivals) / MEASURED_S)
+        self.sizes[name].append(sum(len(frame) for _, frame in frames) / MEASURED_S / 1000)
+        lags = [1000 * (at - sent) for at, sent in arrivals] if timed else []
+        self.lags[name] += [lag - min(lags) for lag in lags]
+
+    def report(self):
+        for name, rates in self.rates.items():
+            line = f"{name:44} {statistics.median(rates):8.1f} ticks/s ({min(rates):.0f} to {max(rates):.0f})"
+            line += f" {statistics.median(self.sizes[name]):9.1f} kB/s"
+            if len(self.lags[name]) > 1:
+                cuts = statistics.quantiles(self.lags[name], n=20)
+                line += f"   p50 {cuts[9]:6.2f} ms   p95 {cuts[18]:6.2f} ms"
+            print(line, flush=True)
 
 
-def fed(kind, rate_hz):
-    return subprocess.Popen(
-        [sys.executable, __file__, f"feed-{kind}", str(rate_hz)], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
-        start_new_session=True,
+def measure_theirs(kind, rate_hz, results):
+    command = [sys.executable, __file__, f"feed-{kind}", str(rate_hz)]
+    feeder = subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, start_new_session=True
     )
-
-
-def measure_theirs(kind, rate_hz):
-    feeder = fed(kind, rate_hz)
     try:
         address = next(line.split()[-1] for line in feeder.stdout if "127.0.0.1:" in line and "/" not in line)
-        sub = ["viser-v1.1.1"] if kind == "viser" else None
-        frames = read(f"ws://{address}/", sub)
+        frames = read(address, "/", "viser-v1.1.1" if kind == "viser" else None)
         arrivals = {"meshcat": arrivals_meshcat, "viser": arrivals_viser}[kind](frames)
         package = {"meshcat": "meshcat-python", "viser": "viser"}[kind]
-        report(f"{package}, {f'{rate_hz:.0f} Hz' if rate_hz else 'as fast as it takes'}", arrivals, frames, bool(rate_hz))
+        how = f"{rate_hz:.0f} Hz" if rate_hz else "as fast as it takes"
+        results.add(f"{package}, {how}", arrivals, frames, bool(rate_hz))
     finally:
         os.killpg(feeder.pid, 15)
         feeder.wait()
 
 
-def measure_ours(twin, scenario, speed):
-    port = free_port()
-    command = [twin, "fly", scenario, "--port", str(port), "--speed", speed]
-    command += ["--set", "time_limit_s=3600", "--set", "task.duration_s=3600"]
+def state(address):
+    with urllib.request.urlopen(f"http://{address}/api/state", timeout=PATIENCE_S) as answer:
+        return json.load(answer)
+
+
+def flown(address):
+    """Ticks per second that are flown while nobody watches."""
+    before, start = state(address)["tick"], time.perf_counter()
+    time.sleep(MEASURED_S / 2)
+    return (state(address)["tick"] - before) / (time.perf_counter() - start)
+
+
+def measure_ours(twin, urdf, speed, watch, results):
+    address = f"127.0.0.1:{free_port()}"
+    command = [twin, "fly", str(SCENARIO), "--port", address.split(":")[1], "--speed", speed]
+    changed = ("time_limit_s=3600", "task.kind=hover", "task.duration_s=3600", f'vehicle.urdf="{urdf}"')
+    command += [word for change in changed for word in ("--set", change)]
     flight = subprocess.Popen(command, stderr=subprocess.DEVNULL)
     try:
         ends = time.time() + PATIENCE_S
         while time.time() < ends and flight.poll() is None:
             try:
-                socket.create_connection(("127.0.0.1", port), 1.0).close()
+                state(address)
                 break
             except OSError:
                 time.sleep(0.2)
         else:
-            sys.exit(f"viewers_bench: {twin} does not fly {scenario}")
-        report_ours(f"ws://127.0.0.1:{port}", speed != "max")
+            sys.exit(f"viewers_bench: {twin} does not fly")
+        watch(address, speed != "max", results)
+        if state(address)["phase"] != "flying":
+            sys.exit("viewers_bench: the flight ended before it was measured")
     finally:
         flight.terminate()
         flight.wait()
 
 
-def report_ours(url, paced):
-    how = "100 Hz" if paced else "--speed max"
-    frames = read(f"{url}/ws")
+def how(paced):
+    return "100 Hz" if paced else "--speed max"
+
+
+def watch_nothing(address, paced, results):
+    if not paced:
+        name = f"twin flies at {how(paced)}, nobody watching"
+        results.rates[name].append(flown(address))
+        results.sizes[name].append(0.0)
+
+
+def watch_console(address, paced, results):
+    frames = read(address, "/ws")
+    channels, bodies = struct.unpack_from("<HH", frames[0][1], 10)
+    if bodies + 1 != BODIES:
+        sys.exit(f"viewers_bench: {bodies} bodies and the reference, {BODIES} poses expected")
     if paced:
-        channels, bodies = next(struct.unpack_from("<HH", frame, 10) for _, frame in frames if isinstance(frame, bytes))
-        print(f"twin sends {bodies + 1} poses, the reference among them, and on /ws {channels} channels a tick", flush=True)
-        report(f"twin, /ws, {how}, since due", arrivals_ours(frames, True), frames)
-        report(f"twin, /ws, {how}, since written", arrivals_ours(frames, False), frames)
-    else:
-        report(f"twin, /ws, {how}", arrivals_ours(frames, False), frames, False)
-    frames = read(f"{url}/")
-    report(f"twin, MeshCat's protocol, {how}", arrivals_ours_meshcat(frames), frames, False)
-    frames = read(f"{url}/viser", ["viser-v1.1.1"])
-    report(f"twin, viser's protocol, {how}", arrivals_ours_viser(frames), frames, paced)
+        results.add(f"twin, /ws with {channels} channels, {how(paced)}, since due", arrivals_ours(frames, True), frames)
+    results.add(f"twin, /ws with {channels} channels, {how(paced)}", arrivals_ours(frames, False), frames, paced)
 
 
-def main(twin, scenario):
-    for kind in ("meshcat", "viser"):
-        measure_theirs(kind, RATE_HZ)
-        measure_theirs(kind, 0.0)
-    measure_ours(twin, scenario, "1")
-    measure_ours(twin, scenario, "max")
+def watch_meshcat(address, paced, results):
+    frames = read(address, "/")
+    results.add(f"twin, MeshCat's protocol, {how(paced)}", arrivals_ours_meshcat(frames), frames, False)
+
+
+def watch_viser(address, paced, results):
+    frames = read(address, "/viser", "viser-v1.1.1")
+    results.add(f"twin, viser's protocol, {how(paced)}", arrivals_ours_viser(frames), frames, paced)
+
+
+def with_more_links(folder):
+    """The vehicle with as many links without mass as make 12 poses with the reference; the path of its file."""
+    text, links = URDF.read_text(), ""
+    for k in range(BODIES - 1 - text.count("<link ")):
+        links += f'<link name="more{k}"/><joint name="more{k}_joint" type="fixed"><parent link="base_link"/>'
+        links += f'<child link="more{k}"/><origin xyz="0 0 0.1"/></joint>\n'
+    path = pathlib.Path(folder) / "twelve.urdf"
+    path.write_text(text.replace("</robot>", f"{links}</robot>"))
+    return path
+
+
+def main(twin, rounds="3"):
+    results = Results()
+    with tempfile.TemporaryDirectory() as folder:
+        urdf = with_more_links(folder)
+        for _ in range(int(rounds)):
+            for rate_hz, speed in ((RATE_HZ, "1"), (0.0, "max")):
+                for kind in ("meshcat", "viser"):
+                    measure_theirs(kind, rate_hz, results)
+                for watch in (watch_nothing, watch_console, watch_meshcat, watch_viser):
+                    measure_ours(twin, urdf, speed, watch, results)
+    print(f"{BODIES} poses a tick, one client; median of {rounds} rounds and their range", flush=True)
+    results.report()
 
 
 if __name__ == "__main__":
@@ -219,7 +338,7 @@ if __name__ == "__main__":
         feed_meshcat(float(sys.argv[2]))
     elif sys.argv[1:2] == ["feed-viser"]:
         feed_viser(float(sys.argv[2]))
-    elif len(sys.argv) == 3:
+    elif len(sys.argv) in (2, 3):
         main(*sys.argv[1:])
     else:
         sys.exit(__doc__)

@@ -1,52 +1,30 @@
 // `twin export meshcat` and `twin export viser -o page.html`: one file each, no network, the flight played by the stock viewers.
 import assert from "node:assert/strict";
-import { spawnSync } from "node:child_process";
-import { existsSync, mkdtempSync, rmSync } from "node:fs";
-import { tmpdir } from "node:os";
-import path from "node:path";
+import { existsSync } from "node:fs";
 import { after, before, test } from "node:test";
 import { pathToFileURL } from "node:url";
-import { BINARY, launchBrowser, ROOT, until } from "./harness.mjs";
+import { launchBrowser, NOISE, openPage, runTwin, scratch, until, VIEWERS } from "./harness.mjs";
 
-const VIEWERS = path.resolve(ROOT, process.env.TWIN_VIEWERS ?? "target/viewers");
 const SOON = 60_000;
 const LIMIT = { timeout: 180_000 };
-/** What the stock clients say of the machine, and of a page without a server. */
-const NOISE = /GPU stall|swiftshader|WebGL|GroupMarkerNotSet|deprecated|favicon|ERR_INTERNET_DISCONNECTED/i;
-const folder = mkdtempSync(path.join(tmpdir(), "twin-exports-"));
-const asked = [];
+const own = scratch("exports");
 let browser;
 
-function twin(...words) {
-  const run = spawnSync(BINARY, words, { cwd: ROOT, encoding: "utf8" });
-  assert.ok(run.status === 0 || run.status === 1, `twin ${words.join(" ")}: ${run.stderr}`);
-}
-
-async function open(file, ready) {
-  const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, offline: true });
-  const page = await context.newPage();
-  const faults = [];
-  page.on("pageerror", (error) => faults.push(error.message));
-  page.on("console", (message) => message.type() === "error" && faults.push(message.text()));
-  page.on("request", (request) => asked.push(request.url()));
-  await page.goto(pathToFileURL(path.join(folder, file)).href, { waitUntil: "commit" });
-  await until(() => page.evaluate(ready), SOON, () => `${file} shows the flight; it said ${faults.join(" | ")}`);
-  return { page, faults, close: () => context.close() };
-}
+const open = (file, ready) => openPage(browser, pathToFileURL(own.file(file)).href, ready, { viewport: { width: 1280, height: 800 }, offline: true });
 
 before(async () => {
   assert.ok(existsSync(VIEWERS), `no viewers at ${VIEWERS}: run twin viewers fetch --dir target/viewers`);
-  const flight = path.join(folder, "flight.mcap");
+  const flight = own.file("flight.mcap");
   // Six seconds: it climbs and sets off, and is told that it did not arrive.
-  twin("fly", "scenarios/a_300g_slow.toml", "--headless", "--json", "--set", "time_limit_s=6", "--record", flight);
-  twin("export", "meshcat", flight, "-o", path.join(folder, "meshcat.html"), "--viewer-dir", VIEWERS);
-  twin("export", "viser", flight, "-o", path.join(folder, "viser.html"), "--viewer-dir", VIEWERS);
+  runTwin(["fly", "scenarios/a_300g_slow.toml", "--headless", "--json", "--set", "time_limit_s=6", "--record", flight], [0, 1]);
+  runTwin(["export", "meshcat", flight, "-o", own.file("meshcat.html"), "--viewer-dir", VIEWERS], [0, 1]);
+  runTwin(["export", "viser", flight, "-o", own.file("viser.html"), "--viewer-dir", VIEWERS], [0, 1]);
   browser = await launchBrowser();
 }, LIMIT);
 
 after(async () => {
   await browser?.close();
-  rmSync(folder, { recursive: true, force: true });
+  own.remove();
 });
 
 test("both pages play the same flight in the stock viewers, without a network", LIMIT, async () => {
@@ -82,7 +60,9 @@ test("both pages play the same flight in the stock viewers, without a network", 
   // The page plays in real time; the last picture and the one before are 40 ms apart, and nothing flies faster than 1 m/s.
   let off;
   await until(async () => (off = await worst()) < 0.04, SOON, () => `viser arrives where MeshCat does, now ${off} m off`);
-  for (const { faults } of [meshcat, viser]) assert.deepEqual(faults.filter((text) => !NOISE.test(text)), []);
-  assert.deepEqual(asked.filter((url) => /^(https?|wss?):/.test(url)), []);
+  for (const { complaints, asked } of [meshcat, viser]) {
+    assert.deepEqual(complaints.filter((text) => !NOISE.test(text)), []);
+    assert.deepEqual(asked.filter((url) => /^(https?|wss?):/.test(url)), []);
+  }
   await Promise.all([meshcat.close(), viser.close()]);
 });

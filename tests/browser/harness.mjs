@@ -1,13 +1,18 @@
 // Starts the real binary and a browser, and waits for things to become true.
-import { spawn } from "node:child_process";
-import { existsSync } from "node:fs";
+import { spawn, spawnSync } from "node:child_process";
+import { existsSync, mkdtempSync, rmSync } from "node:fs";
 import { createServer } from "node:net";
+import { tmpdir } from "node:os";
 import path from "node:path";
 import { fileURLToPath } from "node:url";
 import { chromium } from "playwright-core";
 
 export const ROOT = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../..");
 export const BINARY = path.resolve(ROOT, process.env.TWIN_BIN ?? "target/release/twin");
+/** The stock viewers, as `twin viewers fetch --dir target/viewers --drake` leaves them. */
+export const VIEWERS = path.resolve(ROOT, process.env.TWIN_VIEWERS ?? "target/viewers");
+/** What the stock clients, and pages without a server, say of the machine and of themselves, not of us. */
+export const NOISE = /GPU stall|swiftshader|WebGL|GroupMarkerNotSet|deprecated|favicon|ERR_INTERNET_DISCONNECTED/i;
 const BROWSER = process.env.CHROMIUM ?? "/usr/bin/chromium";
 const START_WITHIN_MS = 30_000;
 const FLAGS = [
@@ -27,6 +32,19 @@ const FLAGS = [
 export async function launchBrowser() {
   if (!existsSync(BROWSER)) throw new Error(`no browser at ${BROWSER}: install chromium or set CHROMIUM`);
   return chromium.launch({ executablePath: BROWSER, args: FLAGS });
+}
+
+/** A folder for what a test file makes; `remove` it at the end. */
+export function scratch(name) {
+  const folder = mkdtempSync(path.join(tmpdir(), `twin-${name}-`));
+  return { folder, file: (inside) => path.join(folder, inside), remove: () => rmSync(folder, { recursive: true, force: true }) };
+}
+
+/** `twin WORDS…` to its end with one of these statuses; what it printed. */
+export function runTwin(words, statuses = [0]) {
+  const run = spawnSync(BINARY, words, { cwd: ROOT, encoding: "utf8" });
+  if (!statuses.includes(run.status)) throw new Error(`twin ${words.join(" ")} ended with ${run.status}: ${run.stderr}`);
+  return run.stdout;
 }
 
 /** A port of the loopback that was free just now. */
@@ -87,18 +105,24 @@ export function pause(ms) {
   return new Promise((resolve) => setTimeout(resolve, ms));
 }
 
-/** A page on the console that keeps what the browser complained about. */
-export async function openConsole(browser, url, options = {}) {
-  const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, colorScheme: "dark", ...options });
+/** A page in a context of its own, once `ready` holds in it; it keeps what the browser complained about and asked for. */
+export async function openPage(browser, url, ready, { kinds = ["error"], withinMs = 60_000, ...options } = {}) {
+  const context = await browser.newContext(options);
   const page = await context.newPage();
-  const complaints = [];
-  page.on("console", (message) => {
-    if (["error", "warning"].includes(message.type())) complaints.push(message.text());
-  });
+  const [complaints, asked] = [[], []];
+  page.on("console", (message) => kinds.includes(message.type()) && complaints.push(`${message.text()} (${message.location().url})`));
   page.on("pageerror", (error) => complaints.push(error.message));
-  await page.goto(url);
-  await until(() => page.evaluate(() => (window.__twin?.lastTick ?? -1) >= 0), 20_000, "the page shows a flight");
-  return { page, complaints, close: () => context.close() };
+  page.on("request", (request) => asked.push(request.url()));
+  await page.goto(url, { waitUntil: "commit" });
+  await until(() => page.evaluate(ready), withinMs, () => `${url} is ready; it said ${complaints.join(" | ")}`);
+  return { page, complaints, asked, close: () => context.close() };
+}
+
+/** A page on the console, once it shows a flight. */
+export function openConsole(browser, url, options = {}) {
+  const shows = () => (window.__twin?.lastTick ?? -1) >= 0;
+  const look = { viewport: { width: 1280, height: 720 }, colorScheme: "dark" };
+  return openPage(browser, url, shows, { ...look, kinds: ["error", "warning"], withinMs: 20_000, ...options });
 }
 
 /** Values that the page shows. */

@@ -1,25 +1,20 @@
 // The console beside a recording: what it says it is, the way to any moment of it, and a stretch played again and again.
 import assert from "node:assert/strict";
-import { spawnSync } from "node:child_process";
-import { mkdtempSync, rmSync } from "node:fs";
-import { tmpdir } from "node:os";
-import path from "node:path";
 import { after, before, test } from "node:test";
-import { BINARY, freePort, launchBrowser, openConsole, pause, ROOT, startMirror, until } from "./harness.mjs";
+import { freePort, launchBrowser, openConsole, pause, runTwin, scratch, startMirror, until } from "./harness.mjs";
 
 const FLIGHT_S = 12;
 const TICK_S = 0.01;
-const folder = mkdtempSync(path.join(tmpdir(), "twin-mirror-"));
+const own = scratch("mirror");
 let browser;
 let twin;
 let page;
 let complaints;
 
 before(async () => {
-  const file = path.join(folder, "hover.mcap");
+  const file = own.file("hover.mcap");
   const flags = ["--headless", "--json", "--record", file, "--set", `task.duration_s=${FLIGHT_S}`, "--set", `time_limit_s=${FLIGHT_S + 5}`];
-  const run = spawnSync(BINARY, ["fly", "scenarios/hover.toml", ...flags], { cwd: ROOT, encoding: "utf8" });
-  assert.equal(run.status, 0, run.stderr);
+  runTwin(["fly", "scenarios/hover.toml", ...flags]);
   browser = await launchBrowser();
   twin = await startMirror(file, await freePort(), ["--start-paused"]);
   ({ page, complaints } = await openConsole(browser, twin.url, { viewport: { width: 1440, height: 900 } }));
@@ -28,7 +23,7 @@ before(async () => {
 after(async () => {
   await browser?.close();
   await twin?.stop();
-  rmSync(folder, { recursive: true, force: true });
+  own.remove();
 });
 
 const nowS = () => page.evaluate(() => window.__twin.lastTick * 0.01);

@@ -1,39 +1,30 @@
 // `twin export html` and the replay of a failed test: one file, no network, open at the second at which it failed.
 import assert from "node:assert/strict";
-import { spawnSync } from "node:child_process";
-import { mkdtempSync, rmSync } from "node:fs";
-import { tmpdir } from "node:os";
-import path from "node:path";
 import { pathToFileURL } from "node:url";
 import { after, before, test } from "node:test";
-import { BINARY, launchBrowser, ROOT, until } from "./harness.mjs";
+import { launchBrowser, openPage, runTwin, scratch, until } from "./harness.mjs";
 
-const folder = mkdtempSync(path.join(tmpdir(), "twin-replay-"));
+const own = scratch("replay");
 let browser;
 let page;
-const complaints = [];
-const asked = [];
+let complaints;
+let asked;
 
 before(async () => {
   // A controller without feedback on z, told to keep a bound that it cannot keep: the test fails, and leaves its replay.
-  const flags = ["test", "scenarios/fails_broken_controller.toml", "--set", "expect.fails=tilt_rad", "--artifacts", folder, "--json"];
-  const run = spawnSync(BINARY, flags, { cwd: ROOT, encoding: "utf8" });
-  assert.equal(run.status, 1, run.stderr);
-  const [failed] = JSON.parse(run.stdout).cases;
+  const flags = ["test", "scenarios/fails_broken_controller.toml", "--set", "expect.fails=tilt_rad", "--artifacts", own.folder, "--json"];
+  const [failed] = JSON.parse(runTwin(flags, [1])).cases;
   assert.match(failed.message, /position_error_m/);
   browser = await launchBrowser();
-  const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, colorScheme: "dark", offline: true });
-  page = await context.newPage();
-  page.on("console", (message) => ["error", "warning"].includes(message.type()) && complaints.push(message.text()));
-  page.on("pageerror", (error) => complaints.push(error.message));
-  page.on("request", (request) => asked.push(request.url()));
-  await page.goto(pathToFileURL(path.join(folder, "fails_broken_controller.html")).href);
-  await until(() => page.evaluate(() => (window.__replay?.shownPose.length ?? 0) === 3), 20_000, "the page shows the flight");
+  const url = pathToFileURL(own.file("fails_broken_controller.html")).href;
+  const shows = () => (window.__replay?.shownPose.length ?? 0) === 3;
+  const look = { viewport: { width: 1440, height: 900 }, colorScheme: "dark", offline: true };
+  ({ page, complaints, asked } = await openPage(browser, url, shows, { ...look, kinds: ["error", "warning"], withinMs: 20_000 }));
 });
 
 after(async () => {
   await browser?.close();
-  rmSync(folder, { recursive: true, force: true });
+  own.remove();
 });
 
 const replay = () => page.evaluate(() => ({ ...window.__replay }));

@@ -3,18 +3,15 @@ import assert from "node:assert/strict";
 import { existsSync, mkdirSync } from "node:fs";
 import path from "node:path";
 import { after, before, test } from "node:test";
-import { freePort, launchBrowser, openConsole, ROOT, shown, startTwin, until } from "./harness.mjs";
+import { freePort, launchBrowser, NOISE, openConsole, openPage, ROOT, shown, startTwin, until, VIEWERS } from "./harness.mjs";
 import { Oracle } from "./oracle.mjs";
 
 const SCENARIO = "scenarios/a_300g_slow.toml";
-const VIEWERS = path.resolve(ROOT, process.env.TWIN_VIEWERS ?? "target/viewers");
 /** Poses travel as f32; at 10 m that is 1e-6, and drawing may not add to it more than tenfold. */
 const POSE_TOLERANCE = 1e-5;
 /** Long enough for three pages on software rendering, ms. */
 const SOON = 60_000;
 const LIMIT = { timeout: 240_000 };
-/** What the stock clients say of the machine and of themselves, not of us. */
-const NOISE = /GPU stall|swiftshader|WebGL|GroupMarkerNotSet|deprecated|favicon/i;
 
 let browser;
 let twin;
@@ -24,16 +21,7 @@ let viser;
 let drake;
 let board;
 
-async function open(where, ready) {
-  const context = await browser.newContext({ viewport: { width: 1280, height: 800 } });
-  const page = await context.newPage();
-  const faults = [];
-  page.on("pageerror", (error) => faults.push(error.message));
-  page.on("console", (message) => message.type() === "error" && faults.push(`${message.text()} (${message.location().url})`));
-  await page.goto(twin.url + where, { waitUntil: "commit" });
-  await until(() => page.evaluate(ready), SOON, () => `${where} shows the flight; it said ${faults.join(" | ")}`);
-  return { page, faults, close: () => context.close() };
-}
+const open = (where, ready) => openPage(browser, twin.url + where, ready, { viewport: { width: 1280, height: 800 } });
 
 const openMeshcat = () => open("/meshcat/", () => Boolean(globalThis.viewer?.gui_controllers?.["slope.x"]));
 // The current MeshCat, as Drake ships it.
@@ -115,7 +103,7 @@ test("four viewers draw one live flight, viser with its two charts, and complain
   await viser.page.screenshot({ path: path.join(ROOT, "out", "viser.png"), timeout: SOON });
   await drake.page.screenshot({ path: path.join(ROOT, "out", "drake.png"), timeout: SOON });
   await board.page.screenshot({ path: path.join(ROOT, "out", "console.png"), timeout: SOON });
-  for (const { faults } of [meshcat, viser, drake]) assert.deepEqual(faults.filter((text) => !NOISE.test(text)), []);
+  for (const { complaints } of [meshcat, viser, drake]) assert.deepEqual(complaints.filter((text) => !NOISE.test(text)), []);
 });
 
 test("MeshCat's buttons restart and hold the flight, and all scenes stand where telemetry says", LIMIT, async () => {
@@ -178,6 +166,33 @@ test("both stock viewers draw the trails, and each hides them for itself alone",
   await both(({ meshcat, viser }) => meshcat.visible && !viser.visible, "hidden in viser alone");
   await viser.page.locator('[id="show.trails"]').click();
   await both(({ meshcat, viser }) => meshcat.visible && viser.visible, "shown in both");
+});
+
+test("both stock viewers point an arrow as long as the residual, viser names what it draws, and MeshCat saves its picture", LIMIT, async () => {
+  // It has flown some seconds, so both arrows carry the weight of more than 3 kg, at 12.5 mm per newton.
+  const heavy = (length) => length > 0.3 && length < 0.6;
+  const needle = () => meshcat.page.evaluate(() => globalThis.viewer.scene_tree.find(["twin", "forces", "estimate"]).object.scale.y);
+  await until(async () => heavy(await needle()), SOON, "MeshCat's arrow");
+  // viser draws shafts and heads as two instanced meshes below the node.
+  const inViser = () => viser.page.evaluate(() => {
+    const nodes = globalThis.__viserMutable.nodeRefFromName;
+    const counts = (name) => {
+      const found = [];
+      nodes[name]?.traverse((one) => one.isInstancedMesh && found.push(one.count));
+      return found;
+    };
+    return { arrow: counts("/twin/forces/estimate"), marks: counts("/twin/trails/attitude"), labels: Object.keys(nodes).filter((name) => name.endsWith("/label")) };
+  });
+  let said;
+  const drawn = async () => {
+    said = await inViser();
+    return said.labels.length === 3 && said.arrow.some((count) => count === 1) && said.marks.some((count) => count > 2);
+  };
+  await until(drawn, SOON, () => `arrow, marks and labels of viser: ${JSON.stringify(said)}`);
+  const [saved] = await Promise.all([meshcat.page.waitForEvent("download", { timeout: SOON }), press("Save picture")]);
+  assert.match(saved.suggestedFilename(), /\.png$/);
+  await press("Show / hide forces");
+  await until(() => meshcat.page.evaluate(() => !globalThis.viewer.scene_tree.find(["twin", "forces"]).object.visible), SOON, "hidden");
 });
 
 test("the current MeshCat holds the flight and moves a gain with keys, sets a gain, and shows the real-time rate", LIMIT, async () => {

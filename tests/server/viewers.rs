@@ -238,10 +238,19 @@ fn trails_follow_the_flight_within_a_bounded_number_of_points() {
 
     let mut viser = Viewer::viser(running.address());
     viser.until(|m| is(m, "LineSegmentsMessage") && field(m, "name").as_str() == Some(flown));
-    let longer = |m: &Value| is(m, "SceneNodeUpdateMessage");
-    let seen = viser.until(longer);
-    let updates = field(seen.last().unwrap(), "updates");
-    assert!(updates.as_map().is_some_and(|map| map.len() == 2), "{updates}");
+    // A line has ends and colours, an arrow its foot and tip, and all marks of the way are two arrays.
+    for (name, changed) in [
+        (flown, 2),
+        ("/twin/forces/residual", 1),
+        ("/twin/forces/estimate", 1),
+        ("/twin/trails/attitude", 2),
+    ] {
+        let changes =
+            |m: &Value| is(m, "SceneNodeUpdateMessage") && field(m, "name").as_str() == Some(name);
+        let seen = viser.until(changes);
+        let updates = field(seen.last().unwrap(), "updates");
+        assert!(updates.as_map().is_some_and(|map| map.len() == changed), "{name}: {updates}");
+    }
 }
 
 #[test]

@@ -115,6 +115,8 @@ impl Assessor {
         broken.extend(checks.finish());
         broken.extend(golden.and_then(GoldenCheck::finish));
         broken.extend(broken_bounds(&settings, &metrics, flight_s));
+        // What broke first is more of a cause than what came of it.
+        broken.sort_by(|one, other| one.at_s.total_cmp(&other.at_s));
         let passed = match &settings.expect.fails {
             None => broken.is_empty(),
             Some(name) => broken.iter().any(|broken| broken.name == *name),

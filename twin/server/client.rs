@@ -8,6 +8,8 @@ use std::time::Duration;
 
 use axum::body::Bytes;
 use axum::extract::ws::{CloseFrame, Message as Frame, WebSocket};
+use axum::http::HeaderMap;
+use axum::http::header::ORIGIN;
 use futures_util::stream::{SplitSink, SplitStream};
 use futures_util::{SinkExt, StreamExt};
 use tokio::sync::Notify;
@@ -26,6 +28,9 @@ pub(super) const LONGEST_MESSAGE: usize = 64 * 1024;
 /// Most rows in a frame: a connection keeps the room that its largest frame took.
 const PART_ROWS: usize = 128;
 
+/// Batches of a page are at least this far apart, more than any screen shows; ticks that fall between share one.
+const GAP: Duration = Duration::from_millis(5);
+
 /// Each client sets the batches of all so much further apart: a crowd takes no more of the machine than fifty clients do.
 const SHARE: Duration = Duration::from_micros(100);
 
@@ -37,9 +42,6 @@ const LINGER: Duration = Duration::from_secs(2);
 
 /// What a kind of client says and hears; the reading and the writing task share it.
 pub(super) trait Dialect: Send + Sync + 'static {
-    /// Batches are at least this far apart; ticks that fall between share one.
-    const GAP: Duration;
-
     /// The next batch waits until the other side has taken the last one.
     const ONE_IN_FLIGHT: bool;
 
@@ -50,11 +52,33 @@ pub(super) trait Dialect: Send + Sync + 'static {
     fn hear(&self, frame: &Frame, client: &Client, app: &App);
 }
 
+/// Who takes what a connection sends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Taker {
+    /// A page draws a picture now and then.
+    Page,
+    /// A program may want every tick, and takes the next batch when it has read the last one.
+    Program,
+}
+
+impl Taker {
+    /// Browsers name the page that opens a socket; programs have none to name.
+    pub(super) fn of(headers: &HeaderMap) -> Self {
+        if headers.contains_key(ORIGIN) { Self::Page } else { Self::Program }
+    }
+
+    /// The least time between two batches among `clients` clients; what `answers` sets the pace by itself.
+    fn gap(self, answers: bool, clients: u32) -> Duration {
+        let least = if self == Self::Program && answers { Duration::ZERO } else { GAP };
+        let share = SHARE * clients;
+        if share > GAP { share } else { least }
+    }
+}
+
 /// The browser console: JSON both ways and binary telemetry.
 pub(super) struct Console;
 
 impl Dialect for Console {
-    const GAP: Duration = Duration::from_millis(5);
     const ONE_IN_FLIGHT: bool = false;
 
     fn compose(&self, parcel: Parcel, client: &Client, now_s: f64) -> Vec<Frame> {
@@ -86,7 +110,7 @@ struct Acknowledged {
 }
 
 /// Serves one connection until it ends.
-pub(super) async fn serve<D: Dialect>(socket: WebSocket, app: Arc<App>, dialect: D) {
+pub(super) async fn serve<D: Dialect>(socket: WebSocket, app: Arc<App>, dialect: D, taker: Taker) {
     let (mut sink, mut stream) = socket.split();
     let Some(client) = app.hub.join() else {
         let farewell = Farewell {
@@ -97,7 +121,7 @@ pub(super) async fn serve<D: Dialect>(socket: WebSocket, app: Arc<App>, dialect:
         return;
     };
     let shared = Arc::new((dialect, Acknowledged::default()));
-    let writing = write(sink, Arc::clone(&client), Arc::clone(&app), Arc::clone(&shared));
+    let writing = write(sink, Arc::clone(&client), Arc::clone(&app), Arc::clone(&shared), taker);
     let mut writer = tokio::spawn(writing);
     tokio::select! {
         () = read(&mut stream, &client, &app, &shared) => {
@@ -118,14 +142,22 @@ async fn write<D: Dialect>(
     client: Arc<Client>,
     app: Arc<App>,
     shared: Arc<(D, Acknowledged)>,
+    taker: Taker,
 ) {
     let (dialect, acknowledged) = &*shared;
     loop {
         client.wake.notified().await;
         let mut parcel = client.outbox().take();
         let farewell = parcel.farewell.take();
-        for part in parcel.parts(PART_ROWS) {
-            if !send(&mut sink, dialect.compose(part, &client, app.uptime_s())).await {
+        let mut asked = false;
+        let mut parts = parcel.parts(PART_ROWS).peekable();
+        while let Some(part) = parts.next() {
+            let mut frames = dialect.compose(part, &client, app.uptime_s());
+            asked = D::ONE_IN_FLIGHT && parts.peek().is_none() && !frames.is_empty();
+            if asked {
+                frames.push(acknowledged.ask());
+            }
+            if !frames.is_empty() && !send(&mut sink, frames).await {
                 return;
             }
         }
@@ -133,20 +165,25 @@ async fn write<D: Dialect>(
             say_farewell(&mut sink, farewell).await;
             return;
         }
-        if D::ONE_IN_FLIGHT && !acknowledged.wait(&mut sink).await {
+        if asked && !acknowledged.wait(&mut sink).await {
             return;
         }
-        tokio::time::sleep(D::GAP.max(SHARE * app.hub.crowd())).await;
+        let gap = taker.gap(D::ONE_IN_FLIGHT, app.hub.crowd());
+        if !gap.is_zero() {
+            tokio::time::sleep(gap).await;
+        }
     }
 }
 
 impl Acknowledged {
-    /// Asks and waits for the answer; `false` if the other side is gone.
-    async fn wait(&self, sink: &mut SplitSink<WebSocket, Frame>) -> bool {
+    /// The question, to be sent behind a batch and with it.
+    fn ask(&self) -> Frame {
         self.awaited.store(true, Ordering::Relaxed);
-        if !send(sink, vec![Frame::Ping(Bytes::new())]).await {
-            return false;
-        }
+        Frame::Ping(Bytes::new())
+    }
+
+    /// Waits for the answer; `false` if the other side is gone.
+    async fn wait(&self, sink: &mut SplitSink<WebSocket, Frame>) -> bool {
         if tokio::time::timeout(SEND_TIMEOUT, self.arrived.notified()).await.is_ok() {
             return true;
         }
@@ -287,5 +324,24 @@ impl App {
             TrySendError::Full(_) => "the flight is busy; nothing was changed, try again",
             TrySendError::Disconnected(_) => "the flight has stopped; start the server again",
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_page_is_paced_a_program_paces_itself_and_a_crowd_shares() {
+        let (ms, page) =
+            (Duration::from_millis, HeaderMap::from_iter([(ORIGIN, "http://x".parse().unwrap())]));
+        let (page, program) = (Taker::of(&page), Taker::of(&HeaderMap::new()));
+        assert_eq!(
+            [page.gap(true, 1), program.gap(true, 1), program.gap(true, 50)],
+            [ms(5), ms(0), ms(0)]
+        );
+        // The console's rows pile up and go together, so nothing is lost by waiting.
+        assert_eq!(program.gap(false, 1), ms(5));
+        assert_eq!([page, program].map(|taker| taker.gap(true, 200)), [ms(20); 2]);
     }
 }

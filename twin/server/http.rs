@@ -21,7 +21,7 @@ use axum::{Json, Router};
 use serde::Deserialize;
 use serde_json::json;
 
-use crate::server::client::{self, Console, Dialect, LONGEST_MESSAGE};
+use crate::server::client::{self, Console, Dialect, LONGEST_MESSAGE, Taker};
 use crate::server::command::{Command, Request as Ask};
 use crate::server::gains::{self, Change};
 use crate::server::mirrored;
@@ -94,17 +94,27 @@ fn refusal(error: &OriginError) -> Response {
     (StatusCode::FORBIDDEN, error.to_string()).into_response()
 }
 
-async fn upgrade(upgrade: WebSocketUpgrade, State(app): State<Arc<App>>) -> Response {
-    connect(upgrade, app, Console)
+async fn upgrade(
+    upgrade: WebSocketUpgrade,
+    State(app): State<Arc<App>>,
+    headers: HeaderMap,
+) -> Response {
+    connect(upgrade, &headers, app, Console)
 }
 
 /// The socket of a client that speaks `dialect`.
-pub(super) fn connect(upgrade: WebSocketUpgrade, app: Arc<App>, dialect: impl Dialect) -> Response {
+pub(super) fn connect(
+    upgrade: WebSocketUpgrade,
+    headers: &HeaderMap,
+    app: Arc<App>,
+    dialect: impl Dialect,
+) -> Response {
+    let taker = Taker::of(headers);
     upgrade
         .read_buffer_size(READ_BUFFER)
         .max_message_size(LONGEST_MESSAGE)
         .max_frame_size(LONGEST_MESSAGE)
-        .on_upgrade(move |socket| client::serve(socket, app, dialect))
+        .on_upgrade(move |socket| client::serve(socket, app, dialect, taker))
 }
 
 async fn index(
@@ -113,7 +123,7 @@ async fn index(
     headers: HeaderMap,
 ) -> Response {
     match upgrade {
-        Ok(upgrade) => return connect(upgrade, app, MeshCat::default()),
+        Ok(upgrade) => return connect(upgrade, &headers, app, MeshCat::default()),
         Err(refused) if headers.contains_key("upgrade") => return refused.into_response(),
         Err(_) => {}
     }

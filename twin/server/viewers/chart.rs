@@ -68,20 +68,7 @@ pub(super) fn nothing_yet(channels: usize) -> Vec<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::server::telemetry::Picture;
-    use std::sync::Arc;
-
-    fn channel(name: &str) -> ChannelInfo {
-        ChannelInfo {
-            name: name.to_owned(),
-            label: String::new(),
-            group: String::new(),
-            unit: String::new(),
-            row: None,
-            limits: None,
-            z_scale: None,
-        }
-    }
+    use crate::server::viewers::fixture::{channel, flown};
 
     #[test]
     fn every_tenth_tick_is_kept_and_the_oldest_go() {
@@ -90,21 +77,7 @@ mod tests {
         let start = history.columns();
         assert!(start.len() == 3 && start.iter().all(|column| column.len() == 1));
         assert!(start[0][0].abs() < 1e-12 && start[1][0].is_nan() && start[2][0].is_nan());
-        let picture = Picture {
-            t_s: 0.0,
-            poses: Vec::new(),
-            ghost: [0.0; 7],
-            contacts: Vec::new(),
-            spectrum: Vec::new(),
-        };
-        let telemetry = Telemetry {
-            schema_id: 1,
-            first_tick: 5,
-            rows: (5..4000).map(|tick| Arc::from([0.0, tick as f32])).collect(),
-            gap: 0,
-            reset: false,
-            picture: Arc::new(picture),
-        };
+        let telemetry = flown(5..4000, |tick| vec![0.0, tick as f32]);
         assert!(history.extend(&telemetry));
         let columns = history.columns();
         assert_eq!(columns.len(), 3);

@@ -56,6 +56,8 @@ pub(super) struct Drawing {
     pub parts: Vec<Part>,
     /// Paths of the moving nodes in the order of [`Drawing::poses`].
     pub moving: Vec<String>,
+    /// Path of the vehicle's root.
+    pub base: Option<String>,
 }
 
 impl Drawing {
@@ -69,6 +71,7 @@ impl Drawing {
             let pose = [p[0], p[1], p[2], q[0], q[1], q[2], q[3]].map(|value| value as f32);
             if body.name == scene.base_body {
                 drawing.add_rotors(&path, scene, ROTOR_RGBA);
+                drawing.base = Some(path.clone());
             }
             if body.moving {
                 drawing.moving.push(path.clone());
@@ -133,10 +136,32 @@ impl Drawing {
     }
 }
 
+/// Poses that a client was told, in the order of the moving nodes.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Told(Vec<[f32; 7]>);
+
+impl Told {
+    /// Place and pose of what has moved, which counts as told; what is in no known place stays.
+    pub(super) fn news<'a>(
+        &mut self,
+        poses: impl Iterator<Item = (&'a str, [f32; 7])>,
+    ) -> impl Iterator<Item = (usize, [f32; 7])> {
+        poses.enumerate().filter_map(|(place, (_, pose))| {
+            if self.0.len() <= place {
+                self.0.resize(place + 1, [f32::NAN; 7]);
+            }
+            let told = &mut self.0[place];
+            let known = pose.iter().all(|value| value.is_finite());
+            let moved = known && pose.map(f32::to_bits) != told.map(f32::to_bits);
+            moved.then(|| *told = pose).map(|()| (place, pose))
+        })
+    }
+}
+
 /// A body's name as one segment of a path.
 fn segment(name: &str, index: usize) -> String {
     let plain = |c: char| c.is_alphanumeric() || matches!(c, '_' | '-' | '.');
-    let taken = matches!(name, "" | "reference" | "trails");
+    let taken = matches!(name, "" | "reference" | "trails" | "forces");
     if !taken && name.chars().all(plain) { name.to_owned() } else { format!("body{index}") }
 }
 
@@ -201,6 +226,19 @@ mod tests {
     }
 
     #[test]
+    fn a_pose_is_told_once_and_one_that_is_unknown_not_at_all() {
+        let mut told = Told::default();
+        let at = |x: f32| [x, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
+        let mut news = |poses: [[f32; 7]; 2]| {
+            told.news(poses.into_iter().map(|pose| ("", pose))).collect::<Vec<_>>()
+        };
+        assert_eq!(news([at(f32::NAN), at(1.0)]), [(1, at(1.0))]);
+        assert_eq!(news([at(0.0), at(1.0)]), [(0, at(0.0))]);
+        assert!(news([at(0.0), at(f32::NAN)]).is_empty());
+        assert_eq!(news([at(-0.0), at(2.0)]), [(0, at(-0.0)), (1, at(2.0))]);
+    }
+
+    #[test]
     fn paths_are_unique_and_every_part_hangs_on_a_node() {
         let scene = fixture::scene();
         let drawing = Drawing::new(&scene);
@@ -216,7 +254,7 @@ mod tests {
         paths.dedup();
         assert_eq!(paths.len(), count);
         assert_eq!(drawing.moving.len(), scene.moving().count() + 1);
-        for name in ["", "a/b", "reference", "trails", "..\u{0}"] {
+        for name in ["", "a/b", "reference", "trails", "forces", "..\u{0}"] {
             assert_eq!(segment(name, 3), "body3");
         }
     }

@@ -1,11 +1,13 @@
-//! What a viewer's operator may hide: the reference and the trails. Each connection has its own choice, which outlives a
+//! What a viewer's operator may hide: the reference, the trails and the arrows. Each connection has its own choice, which outlives a
 //! restart of the flight.
 
 use crate::server::viewers::drawing::GHOST;
+use crate::server::viewers::forces::FORCES;
 use crate::server::viewers::trail::TRAILS;
 
 /// Label and path of everything that can be hidden.
-pub(super) const LAYERS: [(&str, &str); 2] = [("reference", GHOST), ("trails", TRAILS)];
+pub(super) const LAYERS: [(&str, &str); 3] =
+    [("reference", GHOST), ("trails", TRAILS), ("forces", FORCES)];
 
 /// What one client sees of the layers, in the order of [`LAYERS`].
 #[derive(Clone, Debug, Default)]

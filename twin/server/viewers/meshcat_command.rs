@@ -4,7 +4,7 @@ use rmpv::Value;
 
 use crate::server::protocol::GainInfo;
 use crate::server::viewers::controls::slider_keys;
-use crate::server::viewers::pack::map;
+use crate::server::viewers::pack::{map, numbers};
 
 /// Removes a path with all below it.
 pub(super) fn delete(path: &str) -> Value {
@@ -14,6 +14,17 @@ pub(super) fn delete(path: &str) -> Value {
 /// Sets a property of a path.
 pub(super) fn set_property(path: &str, property: &str, value: Value) -> Value {
     map! { "type" => "set_property", "path" => path, "property" => property, "value" => value }
+}
+
+/// What the camera turns about, m, in the y-up frame of three.js.
+pub(super) fn set_target(y_up: [f64; 3]) -> Value {
+    map! { "type" => "set_target", "value" => numbers(y_up) }
+}
+
+/// A button with which the viewer saves what it shows; nothing is sent.
+pub(super) fn picture_button() -> Value {
+    let callback = "() => this.handle_command({type: \"save_image\"})";
+    push_button("Save picture", callback.to_owned(), None)
 }
 
 /// A button that sends its name, also when `key` is pressed; the viewer of the wheel knows no keys.
@@ -85,7 +96,7 @@ pub(super) fn set_control_value(name: &str, value: f64) -> Value {
 mod tests {
     use super::*;
     use crate::server::viewers::meshcat_object::tests::reference;
-    use crate::server::viewers::pack::{encode, numbers};
+    use crate::server::viewers::pack::encode;
 
     #[test]
     fn commands_have_the_bytes_of_meshcat_python() {
@@ -107,6 +118,7 @@ mod tests {
             ),
             ("set_control_button", push_button("reset", push.to_owned(), None)),
             ("set_control_slider", scale("kp", slide.to_owned(), [1.0, 0.0, 10.0, 0.1], None)),
+            ("set_target", set_target([0.0, 0.5, 0.0])),
             ("set_control_value", set_control_value("kp", 2.5)),
         ] {
             let Some(wanted) = reference(name) else { continue };

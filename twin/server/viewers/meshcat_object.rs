@@ -1,11 +1,13 @@
 //! `set_object` and `set_transform` of MeshCat: one part as JSON of the three.js object loader, in `MessagePack`.
 
+use std::f64::consts::PI;
+
 use nalgebra::{Isometry3, Matrix4, Quaternion, Translation3, UnitQuaternion, Vector3};
 use rmpv::Value;
 
 use crate::mirror::scene::SceneShape;
 use crate::server::viewers::drawing::{Part, rgb};
-use crate::server::viewers::pack::{f32_bytes, map, numbers, u32_bytes};
+use crate::server::viewers::pack::{encode, f32_bytes, map, numbers, u32_bytes};
 
 /// Type of an extension that holds a `Uint32Array`.
 const U32_ARRAY: i8 = 0x16;
@@ -40,6 +42,51 @@ fn set_object_as(part: &Part, [geometry, material, mesh]: [String; 3]) -> Value 
 pub(super) fn set_line_segments(path: &str, rgb: [u8; 3], ends: Vec<f32>) -> Value {
     let ids = ["geometry", "material", "line"].map(|kind| format!("{path}/{kind}"));
     set_line_segments_as(path, rgb, ends, ids)
+}
+
+/// Radius of an arrow at its foot, m; it ends in a point.
+const NEEDLE_RADIUS_M: f64 = 0.01;
+
+/// An arrow at a path: of length one, along y from the origin, to be turned and stretched.
+pub(super) fn set_needle(path: &str, rgb: [u8; 3]) -> Value {
+    let [geometry, material, mesh] =
+        ["geometry", "material", "mesh"].map(|kind| format!("{path}/{kind}"));
+    let cone = map! {
+        "uuid" => geometry.as_str(),
+        "type" => "CylinderGeometry",
+        "radiusTop" => 0.0,
+        "radiusBottom" => NEEDLE_RADIUS_M,
+        "height" => 1.0,
+        "radialSegments" => 16,
+    };
+    let foot = column_major(&Matrix4::new_translation(&Vector3::new(0.0, 0.5, 0.0)));
+    let object = map! {
+        "metadata" => map! { "version" => 4.5, "type" => "Object" },
+        "geometries" => Value::Array(vec![cone]),
+        "materials" => Value::Array(vec![material_of("MeshPhongMaterial", rgb, 1.0, &material)]),
+        "object" => map! {
+            "uuid" => mesh,
+            "type" => "Mesh",
+            "geometry" => geometry,
+            "material" => material,
+            "matrix" => numbers(foot),
+        },
+    };
+    map! { "type" => "set_object", "object" => object, "path" => path }
+}
+
+/// Shortest arrow, m: without a length there is no direction to be taken apart.
+const SHORTEST_M: f64 = 1e-3;
+
+/// The matrix that lets a needle reach from foot to tip, m; column-major.
+pub(super) fn needle_matrix([foot, tip]: [[f32; 3]; 2]) -> [f32; 16] {
+    let [foot, tip] = [foot, tip].map(|point| Vector3::from(point.map(f64::from)));
+    let way = tip - foot;
+    let turn = UnitQuaternion::rotation_between(&Vector3::y(), &way)
+        .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI));
+    let pose = Isometry3::from_parts(Translation3::from(foot), turn).to_homogeneous();
+    let stretch = Vector3::new(1.0, way.norm().max(SHORTEST_M), 1.0);
+    column_major(&(pose * Matrix4::new_nonuniform_scaling(&stretch))).map(|value| value as f32)
 }
 
 /// The same with given identifiers of geometry, material and line.
@@ -148,10 +195,43 @@ fn own_matrix(part: &Part) -> [f64; 16] {
 
 /// The command that moves a node: `[x y z w x y z]` in the world, m.
 pub(super) fn set_transform(path: &str, pose: [f32; 7]) -> Value {
+    set_matrix(path, matrix_of(pose))
+}
+
+fn set_matrix(path: &str, matrix: [f32; 16]) -> Value {
+    let bytes = f32_bytes(matrix);
+    map! { "type" => "set_transform", "path" => path, "matrix" => Value::Ext(F32_ARRAY, bytes) }
+}
+
+/// Column-major.
+fn matrix_of(pose: [f32; 7]) -> [f32; 16] {
     let [x, y, z, qw, qx, qy, qz] = pose.map(f64::from);
     let matrix = column_major(&isometry([x, y, z], [qw, qx, qy, qz]).to_homogeneous());
-    let bytes = f32_bytes(matrix.map(|value| value as f32));
-    map! { "type" => "set_transform", "path" => path, "matrix" => Value::Ext(F32_ARRAY, bytes) }
+    matrix.map(|value| value as f32)
+}
+
+/// The command that moves a node, encoded once: of its bytes only the matrix at their end changes.
+#[derive(Clone, Debug)]
+pub(super) struct Mover(Vec<u8>);
+
+impl Mover {
+    /// Of the node at a path.
+    pub(super) fn new(path: &str) -> Self {
+        Self(encode(&set_matrix(path, [0.0; 16])))
+    }
+
+    /// To `[x y z w x y z]` in the world, m.
+    pub(super) fn to(&self, pose: [f32; 7]) -> Vec<u8> {
+        self.to_matrix(matrix_of(pose))
+    }
+
+    /// To a matrix, column-major, which may scale.
+    pub(super) fn to_matrix(&self, matrix: [f32; 16]) -> Vec<u8> {
+        let mut bytes = self.0.clone();
+        let start = bytes.len() - size_of_val(&matrix);
+        bytes[start..].copy_from_slice(&f32_bytes(matrix));
+        bytes
+    }
 }
 
 fn isometry(position: [f64; 3], [w, x, y, z]: [f64; 4]) -> Isometry3<f64> {
@@ -166,7 +246,6 @@ fn column_major(matrix: &Matrix4<f64>) -> [f64; 16] {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::server::viewers::pack::encode;
 
     fn part(path: &str, shape: SceneShape, rgba: [f32; 4]) -> Part {
         let (position, quaternion_wxyz) = ([0.0; 3], [1.0, 0.0, 0.0, 0.0]);
@@ -227,8 +306,9 @@ pub(super) mod tests {
     fn a_transform_has_the_bytes_of_the_reference_but_for_zeros() {
         // A quarter turn about z at (0.5, -1, 2); the reference has 6e-17 where we have another tiny number.
         let half = std::f32::consts::FRAC_1_SQRT_2;
-        let made = set_transform("/meshcat/box", [0.5, -1.0, 2.0, half, 0.0, 0.0, half]);
-        let bytes = encode(&made);
+        let pose = [0.5, -1.0, 2.0, half, 0.0, 0.0, half];
+        let bytes = encode(&set_transform("/meshcat/box", pose));
+        assert_eq!(Mover::new("/meshcat/box").to(pose), bytes);
         let Some(wanted) = reference("set_transform_f32ext") else { return };
         assert_eq!(bytes.len(), wanted.len());
         assert_eq!(bytes[..bytes.len() - 64], wanted[..wanted.len() - 64]);
@@ -239,6 +319,24 @@ pub(super) mod tests {
         for (made, wanted) in numbers(&bytes).into_iter().zip(numbers(&wanted)) {
             // f32 of numbers up to 2.
             assert!((made - wanted).abs() < 1e-6, "{made} {wanted}");
+        }
+    }
+
+    #[test]
+    fn a_needle_reaches_from_foot_to_tip_and_is_nowhere_thicker() {
+        for tip in [[0.3, -0.2, 0.9], [0.0, -1.0, 0.0], [0.5, 0.1, 0.2], [0.1, 0.1, 0.2]] {
+            let foot = [0.1_f32, 0.1, 0.2];
+            let m = needle_matrix([foot, tip]).map(f64::from);
+            let column = |k: usize| Vector3::new(m[4 * k], m[4 * k + 1], m[4 * k + 2]);
+            let reached = column(3) + column(1);
+            let wanted = Vector3::from(tip.map(f64::from));
+            // f32, and an arrow without a length still has a millimetre.
+            let room = if tip == foot { 1.1 * SHORTEST_M } else { 1e-6 };
+            assert!((reached - wanted).norm() < room, "{tip:?}: {reached}");
+            for k in [0, 2] {
+                assert!((column(k).norm() - 1.0).abs() < 1e-6, "{tip:?}");
+                assert!(column(k).dot(&column(1)).abs() < 1e-6, "{tip:?}");
+            }
         }
     }
 

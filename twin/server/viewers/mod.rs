@@ -9,6 +9,9 @@ mod chart;
 mod controls;
 mod drawing;
 pub mod export;
+#[cfg(test)]
+mod fixture;
+mod forces;
 mod layers;
 pub(super) mod meshcat;
 mod meshcat_animation;
@@ -20,9 +23,12 @@ mod trail;
 pub(super) mod viser;
 mod viser_frame;
 mod viser_label;
+mod viser_move;
 mod viser_panel;
 mod viser_recording;
 mod viser_scene;
+mod watched;
+mod waymarks;
 
 /// A pinned wheel of the Python package index, of which a few files are served.
 #[derive(Clone, Copy, Debug)]

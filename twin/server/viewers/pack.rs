@@ -21,10 +21,40 @@ pub(super) fn numbers<const N: usize>(values: [f64; N]) -> Value {
 /// The bytes of a value.
 pub(super) fn encode(value: &Value) -> Vec<u8> {
     let mut bytes = Vec::new();
-    if let Err(error) = rmpv::encode::write_value(&mut bytes, value) {
+    append(&mut bytes, value);
+    bytes
+}
+
+/// Appends the bytes of a value.
+pub(super) fn append(bytes: &mut Vec<u8>, value: &Value) {
+    if let Err(error) = rmpv::encode::write_value(bytes, value) {
         tracing::error!("a message has no binary form: {error}");
     }
-    bytes
+}
+
+/// Appends the head of an array of `length` values, which follow.
+pub(super) fn begin_array(bytes: &mut Vec<u8>, length: usize) {
+    match u16::try_from(length) {
+        Ok(few @ 0..16) => bytes.push(0x90 | few as u8),
+        Ok(more) => {
+            bytes.push(0xDC);
+            bytes.extend(more.to_be_bytes());
+        }
+        Err(_) => {
+            bytes.push(0xDD);
+            bytes.extend((length as u32).to_be_bytes());
+        }
+    }
+}
+
+/// Overwrites the numbers at the end of a message that was encoded with as many `Value::F32` there.
+pub(super) fn overwrite_f32(bytes: &mut [u8], values: &[f32]) {
+    /// A byte that says what follows, and the number, most significant byte first.
+    const LENGTH: usize = 5;
+    let end = bytes.len().saturating_sub(values.len() * LENGTH);
+    for (slot, value) in bytes[end..].chunks_exact_mut(LENGTH).zip(values) {
+        slot[1..].copy_from_slice(&value.to_be_bytes());
+    }
 }
 
 /// The one value that `bytes` hold.
@@ -86,6 +116,22 @@ mod tests {
         wanted.extend([0, 0, 0x80, 0x3F, 0, 0, 0, 0xC0, 0, 0, 0, 0x3F]);
         assert_eq!(encode(&value), wanted);
         assert_eq!(decode(&wanted), Ok(value));
+    }
+
+    #[test]
+    fn what_is_put_together_by_hand_is_what_the_library_writes() {
+        for length in [0, 15, 16, 65_535, 65_536] {
+            let mut bytes = Vec::new();
+            begin_array(&mut bytes, length);
+            bytes.resize(bytes.len() + length, 0xC0);
+            assert_eq!(bytes, encode(&Value::Array(vec![Value::Nil; length])), "{length}");
+        }
+        let triple = |values: [f32; 3]| {
+            encode(&map! { "at" => Value::Array(values.map(Value::F32).to_vec()) })
+        };
+        let mut bytes = triple([0.0; 3]);
+        overwrite_f32(&mut bytes, &[1.5, -2.0, 1e-7]);
+        assert_eq!(bytes, triple([1.5, -2.0, 1e-7]));
     }
 
     #[test]

@@ -59,7 +59,7 @@ async fn drake(
     headers: HeaderMap,
 ) -> Response {
     match upgrade {
-        Ok(upgrade) => connect(upgrade, app, MeshCat::default()),
+        Ok(upgrade) => connect(upgrade, &headers, app, MeshCat::default()),
         Err(refused) if headers.contains_key("upgrade") => refused.into_response(),
         Err(_) => file(&app, DRAKE, "index.html", HTML).await,
     }
@@ -88,7 +88,7 @@ async fn viser(
                     VISER.version
                 );
             }
-            connect(upgrade.protocols([protocol]), app, Viser::default())
+            connect(upgrade.protocols([protocol]), &headers, app, Viser::default())
         }
         Err(refused) if headers.contains_key("upgrade") => refused.into_response(),
         Err(_) => file(&app, VISER, "index.html", HTML).await,

@@ -94,38 +94,14 @@ fn segments(points: impl Iterator<Item = [f32; 3]> + Clone) -> Vec<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::server::telemetry::Picture;
-    use std::sync::Arc;
+    use crate::server::viewers::fixture;
 
     fn channels() -> Vec<ChannelInfo> {
-        let channel = |name: &str| ChannelInfo {
-            name: name.to_owned(),
-            label: String::new(),
-            group: String::new(),
-            unit: String::new(),
-            row: None,
-            limits: None,
-            z_scale: None,
-        };
-        ["chi.x", "chi.y", "chi.z"].map(channel).into()
+        ["chi.x", "chi.y", "chi.z"].map(fixture::channel).into()
     }
 
     fn flown(ticks: std::ops::Range<u64>) -> Telemetry {
-        let picture = Picture {
-            t_s: 0.0,
-            poses: Vec::new(),
-            ghost: [0.0; 7],
-            contacts: Vec::new(),
-            spectrum: Vec::new(),
-        };
-        Telemetry {
-            schema_id: 1,
-            first_tick: ticks.start,
-            rows: ticks.map(|tick| Arc::from([tick as f32, 0.0, 1.0])).collect(),
-            gap: 0,
-            reset: false,
-            picture: Arc::new(picture),
-        }
+        fixture::flown(ticks, |tick| vec![tick as f32, 0.0, 1.0])
     }
 
     #[test]
@@ -157,7 +133,7 @@ mod tests {
     fn a_place_that_is_unknown_gives_no_point() {
         let mut trails = Trails::new(&channels());
         let mut telemetry = flown(0..31);
-        telemetry.rows[10] = Arc::from([f32::NAN, 0.0, 1.0]);
+        telemetry.rows[10] = std::sync::Arc::from([f32::NAN, 0.0, 1.0]);
         trails.extend(&telemetry);
         assert!(trails.due(0.0)[0].2.iter().all(|value| value.is_finite()));
     }

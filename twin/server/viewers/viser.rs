@@ -1,7 +1,6 @@
 //! The stock viser client: frames of messages out, one `MessagePack` message a frame back.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
 
 use axum::extract::ws::Message as Frame;
 use rmpv::Value;
@@ -13,15 +12,14 @@ use crate::server::outbox::{Message, Parcel};
 use crate::server::protocol::{ClientMessage, EventInfo, ServerMessage};
 use crate::server::telemetry::Telemetry;
 use crate::server::viewers::chart::History;
-use crate::server::viewers::controls::{Button, Sliders};
-use crate::server::viewers::drawing::Drawing;
-use crate::server::viewers::layers::Layers;
+use crate::server::viewers::controls::Button;
 use crate::server::viewers::pack::{self, map, numbers};
-use crate::server::viewers::trail::Trails;
 use crate::server::viewers::viser_frame::Batch;
-use crate::server::viewers::viser_label as label;
+use crate::server::viewers::viser_move::Mover;
 use crate::server::viewers::viser_panel::{self as panel, BUTTON, CHARTS, GAIN, SCENARIO, SHOW};
 use crate::server::viewers::viser_scene as scene;
+use crate::server::viewers::watched::{Watched, not_understood, understood};
+use crate::server::viewers::waymarks::Waymarks;
 use crate::tick::EventKind;
 
 /// Charts are sent whole, so not more often than this, s.
@@ -29,9 +27,6 @@ const CHART_PERIOD_S: f64 = 0.25;
 
 /// Notifications cover the scene; of more than this in a second the rest is dropped.
 const MOST_NOTIFICATIONS: u32 = 3;
-
-/// Most of a message's fault that a reason repeats, characters.
-const REASON_CHARACTERS: usize = 80;
 
 /// Where the camera stands and what it looks at, m.
 pub(super) const CAMERA_M: [f64; 3] = [2.6, -3.2, 2.2];
@@ -45,12 +40,10 @@ pub(in crate::server) struct Viser {
 
 #[derive(Default)]
 struct State {
-    drawing: Drawing,
-    sliders: Sliders,
-    layers: Layers,
-    trails: Trails,
-    /// Poses that the client was told, in the order of the moving nodes.
-    told: Vec<[f32; 7]>,
+    watched: Watched,
+    /// What moves each of the moving nodes.
+    movers: Vec<Mover>,
+    waymarks: Waymarks,
     histories: Vec<History>,
     charts_stale: bool,
     charts_due_s: f64,
@@ -60,7 +53,6 @@ struct State {
 }
 
 impl Dialect for Viser {
-    const GAP: Duration = Duration::from_millis(5);
     const ONE_IN_FLIGHT: bool = true;
 
     fn compose(&self, parcel: Parcel, _: &Client, now_s: f64) -> Vec<Frame> {
@@ -79,31 +71,32 @@ impl Dialect for Viser {
             state.plot(&mut batch);
             state.charts_due_s = now_s + CHART_PERIOD_S;
         }
-        for (path, rgb, ends) in state.trails.due(now_s) {
+        let trails = state.watched.trails.due(now_s);
+        if !trails.is_empty()
+            && let Some(marks) = state.waymarks.news()
+        {
+            scene::update_marks(marks, &mut batch);
+        }
+        for (path, rgb, ends) in trails {
             scene::update_line(path, rgb, ends, &mut batch);
         }
-        for (path, visible) in state.layers.changes() {
-            batch.push(scene::show(path, visible));
+        if let Some(arrows) = state.watched.forces.due(now_s) {
+            scene::update_arrows(arrows, &mut batch);
         }
-        for (name, value) in state.sliders.overdue(now_s) {
-            batch.push(panel::update(&format!("{GAIN}{name}"), "value", value.into()));
+        for (path, visible) in state.watched.layers.changes() {
+            batch.push(&scene::show(path, visible));
+        }
+        for (name, value) in state.watched.sliders.overdue(now_s) {
+            batch.push(&panel::update(&format!("{GAIN}{name}"), "value", value.into()));
         }
         if batch.is_empty() { Vec::new() } else { vec![Frame::binary(batch.encode(now_s))] }
     }
 
     fn hear(&self, frame: &Frame, client: &Client, app: &App) {
-        let message = match frame {
-            Frame::Binary(bytes) => pack::decode(bytes),
-            _ => Err("text, expected binary".to_owned()),
+        let Frame::Binary(bytes) = frame else {
+            return not_understood("text, expected binary", client);
         };
-        let message = match message {
-            Ok(message) => message,
-            Err(why) => {
-                let why = shown(&why, REASON_CHARACTERS);
-                client.close(1007, format!("message not understood: {why}"));
-                return;
-            }
-        };
+        let Some(message) = understood(bytes, client) else { return };
         // The client also tells about its camera, clicks and drags.
         if pack::text(&message, "type") == Some("GuiUpdateMessage") {
             let id = pack::text(&message, "uuid").unwrap_or_default();
@@ -111,7 +104,7 @@ impl Dialect for Viser {
             if let (Some(label), Some(visible)) =
                 (id.strip_prefix(SHOW), value.and_then(Value::as_bool))
             {
-                self.state().layers.show(label, Some(visible));
+                self.state().watched.layers.show(label, Some(visible));
                 client.wake.notify_one();
                 return;
             }
@@ -131,7 +124,7 @@ impl Viser {
     fn asked(&self, id: &str, value: Option<&Value>, app: &App) -> Option<ClientMessage> {
         if let Some(name) = id.strip_prefix(GAIN) {
             let value = value.and_then(Value::as_f64).unwrap_or(f64::NAN);
-            let value = self.state().sliders.moved(name, value, app.uptime_s());
+            let value = self.state().watched.sliders.moved(name, value, app.uptime_s());
             return Some(ClientMessage::SetGain { name: shown(name, 64), value });
         }
         if let Some(name) = id.strip_prefix(BUTTON) {
@@ -145,27 +138,26 @@ impl Viser {
 impl State {
     /// Everything from nothing, or after a restart the new scene.
     fn begin(&mut self, published: &Published, batch: &mut Batch) {
-        let first = self.sliders.is_empty();
+        let first = self.watched.is_new();
         if first {
             for (kind, key, value) in [
                 ("SetCameraPositionMessage", "position", CAMERA_M),
                 ("SetCameraLookAtMessage", "look_at", LOOK_AT_M),
             ] {
-                batch.push(map! { "type" => kind, key => numbers(value), "initial" => true });
+                batch.push(&map! { "type" => kind, key => numbers(value), "initial" => true });
             }
-            batch.push(scene::light());
+            batch.push(&scene::light());
             panel::build(published, batch);
         } else {
-            scene::erase(&self.drawing, batch);
-            batch.push(panel::update(SCENARIO, "value", published.state.scenario.as_str().into()));
+            scene::erase(&self.watched.drawing, batch);
+            batch.push(&panel::update(SCENARIO, "value", published.state.scenario.as_str().into()));
         }
-        self.drawing = Drawing::new(&published.scene);
-        scene::draw(&self.drawing, batch);
-        batch.push(label::reference());
-        self.told = vec![[f32::NAN; 7]; self.drawing.moving.len()];
-        self.sliders.set(&published.gains);
-        self.layers.drawn_anew();
-        self.trails = Trails::new(&published.channels);
+        self.watched.begin(published);
+        scene::draw(&self.watched.drawing, batch);
+        scene::draw_live(batch);
+        let moving = self.watched.drawing.moving.iter();
+        self.movers = moving.map(|path| Mover::new(path)).collect();
+        self.waymarks = Waymarks::new(&published.channels);
         let history = |chart: &panel::Chart| {
             let names: Vec<&str> = chart.series.iter().map(|(name, ..)| *name).collect();
             History::new(&names, &published.channels)
@@ -173,17 +165,17 @@ impl State {
         self.histories = CHARTS.iter().map(history).collect();
         self.charts_stale = true;
         if first {
-            batch.push(map! { "type" => "ReplayDoneMessage" });
+            batch.push(&map! { "type" => "ReplayDoneMessage" });
         }
     }
 
     fn hear(&mut self, message: &ServerMessage, now_s: f64, batch: &mut Batch) {
         match message {
             ServerMessage::State(state) => {
-                batch.push(panel::update_status(&panel::status(state)));
+                batch.push(&panel::update_status(&panel::status(state)));
             }
-            ServerMessage::Gain(echo) => self.sliders.in_force(&echo.name, echo.value),
-            ServerMessage::Gains(list) => self.sliders.set(&list.gains),
+            ServerMessage::Gain(echo) => self.watched.sliders.in_force(&echo.name, echo.value),
+            ServerMessage::Gains(list) => self.watched.sliders.set(&list.gains),
             ServerMessage::Events { events } => {
                 for event in events {
                     self.announce(event, now_s, batch);
@@ -212,20 +204,17 @@ impl State {
         self.recent = if now_s.floor() > second { (now_s.floor(), 1) } else { (second, count + 1) };
         if self.recent.1 <= MOST_NOTIFICATIONS {
             self.notifications += 1;
-            batch.push(panel::notification(self.notifications, title, body, colour));
+            batch.push(&panel::notification(self.notifications, title, body, colour));
         }
     }
 
     /// Moves what has moved; what is in no known place stays.
     fn place(&mut self, telemetry: &Telemetry, batch: &mut Batch) {
-        for ((path, pose), told) in self.drawing.poses(&telemetry.picture).zip(&mut self.told) {
-            let known = pose.iter().all(|value| value.is_finite());
-            if known && pose.map(f32::to_bits) != told.map(f32::to_bits) {
-                scene::place(path, pose, batch);
-                *told = pose;
-            }
+        for (node, pose) in self.watched.moved(&telemetry.picture) {
+            self.movers[node].place(pose, batch);
         }
-        self.trails.extend(telemetry);
+        self.watched.extend(telemetry);
+        self.waymarks.extend(telemetry);
         for history in &mut self.histories {
             self.charts_stale |= history.extend(telemetry);
         }
@@ -235,7 +224,7 @@ impl State {
         for (chart, history) in CHARTS.iter().zip(&self.histories) {
             let columns = history.columns().into_iter();
             let data = columns.map(|column| batch.array("<f8", pack::f64_bytes(column))).collect();
-            batch.push(panel::update(chart.id, "data", Value::Array(data)));
+            batch.push(&panel::update(chart.id, "data", Value::Array(data)));
         }
         self.charts_stale = false;
     }

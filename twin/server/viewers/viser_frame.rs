@@ -12,17 +12,28 @@ const ALIGNMENT: usize = 8;
 /// Longest block of a zstd frame, bytes.
 const LONGEST_BLOCK: usize = 128 * 1024;
 
-/// Messages that travel in one frame.
+/// Messages that travel in one frame, encoded.
 #[derive(Debug, Default)]
 pub(super) struct Batch {
-    messages: Vec<Value>,
+    messages: Vec<u8>,
+    /// Where each message ends.
+    ends: Vec<usize>,
     buffers: Vec<Vec<u8>>,
 }
 
 impl Batch {
     /// Adds a message: a map with a `type`.
-    pub(super) fn push(&mut self, message: Value) {
-        self.messages.push(message);
+    pub(super) fn push(&mut self, message: &Value) {
+        pack::append(&mut self.messages, message);
+        self.ends.push(self.messages.len());
+    }
+
+    /// Adds a message that is encoded already, after `change`.
+    pub(super) fn push_encoded(&mut self, message: &[u8], change: impl FnOnce(&mut [u8])) {
+        let start = self.messages.len();
+        self.messages.extend_from_slice(message);
+        change(&mut self.messages[start..]);
+        self.ends.push(self.messages.len());
     }
 
     /// Adds a buffer of numbers and returns what stands for it in a message; `dtype` as in numpy.
@@ -34,12 +45,12 @@ impl Batch {
 
     /// Nothing to send.
     pub(super) fn is_empty(&self) -> bool {
-        self.messages.is_empty()
+        self.ends.is_empty()
     }
 
     /// Messages in it.
     pub(super) fn len(&self) -> usize {
-        self.messages.len()
+        self.ends.len()
     }
 
     /// The inner bytes of a recording, before compression: the length of a map, the map, then the aligned buffers;
@@ -50,16 +61,20 @@ impl Batch {
         duration_s: f64,
         version: &str,
     ) -> Vec<u8> {
-        let lengths = self.buffers.iter().map(|buffer| Value::from(buffer.len() as u64));
-        let lengths = Value::Array(lengths.collect());
-        let messages = times_s.iter().zip(self.messages);
-        let messages = messages.map(|(t_s, message)| Value::Array(vec![Value::F64(*t_s), message]));
-        let head = pack::encode(&map! {
-            "durationSeconds" => duration_s,
-            "messages" => Value::Array(messages.collect()),
-            "viserVersion" => version,
-            "binaryBufferLengths" => lengths,
-        });
+        let mut head = map_of(4);
+        pack::append(&mut head, &"durationSeconds".into());
+        pack::append(&mut head, &duration_s.into());
+        pack::append(&mut head, &"messages".into());
+        pack::begin_array(&mut head, self.ends.len());
+        let starts = std::iter::once(0).chain(self.ends.iter().copied());
+        for ((start, end), t_s) in starts.zip(&self.ends).zip(times_s) {
+            pack::begin_array(&mut head, 2);
+            pack::append(&mut head, &Value::F64(*t_s));
+            head.extend(&self.messages[start..*end]);
+        }
+        pack::append(&mut head, &"viserVersion".into());
+        pack::append(&mut head, &version.into());
+        self.append_lengths(&mut head);
         let mut inner = (head.len() as u64).to_le_bytes().to_vec();
         inner.extend(head);
         append_aligned(&mut inner, self.buffers);
@@ -68,20 +83,32 @@ impl Batch {
 
     /// The bytes of the frame; `now_s` on one clock for all frames of a connection.
     pub(super) fn encode(self, now_s: f64) -> Vec<u8> {
-        let lengths = self.buffers.iter().map(|buffer| Value::from(buffer.len() as u64));
-        let inner = pack::encode(&map! {
-            "messages" => Value::Array(self.messages),
-            "timestampSec" => now_s,
-            "binaryBufferLengths" => Value::Array(lengths.collect()),
-        });
-        let packed = raw_zstd(&inner);
-        let mut frame = Vec::with_capacity(packed.len() + 16);
+        let mut inner = map_of(3);
+        inner.reserve(self.messages.len() + 64);
+        pack::append(&mut inner, &"messages".into());
+        pack::begin_array(&mut inner, self.ends.len());
+        inner.extend(&self.messages);
+        pack::append(&mut inner, &"timestampSec".into());
+        pack::append(&mut inner, &now_s.into());
+        self.append_lengths(&mut inner);
+        let mut frame = Vec::with_capacity(inner.len() + 64);
         frame.extend((inner.len() as u64).to_le_bytes());
-        frame.extend((packed.len() as u64).to_le_bytes());
-        frame.extend(packed);
+        frame.extend((raw_zstd_length(inner.len()) as u64).to_le_bytes());
+        append_raw_zstd(&mut frame, &inner);
         append_aligned(&mut frame, self.buffers);
         frame
     }
+
+    fn append_lengths(&self, map: &mut Vec<u8>) {
+        let lengths = self.buffers.iter().map(|buffer| Value::from(buffer.len() as u64));
+        pack::append(map, &"binaryBufferLengths".into());
+        pack::append(map, &Value::Array(lengths.collect()));
+    }
+}
+
+/// The head of a map of at most 15 entries, which follow.
+fn map_of(entries: u8) -> Vec<u8> {
+    vec![0x80 | entries]
 }
 
 fn append_aligned(bytes: &mut Vec<u8>, buffers: Vec<Vec<u8>>) {
@@ -91,32 +118,58 @@ fn append_aligned(bytes: &mut Vec<u8>, buffers: Vec<Vec<u8>>) {
     }
 }
 
+/// Bytes before the first block, and before each block.
+const ZSTD_HEAD: usize = 9;
+const ZSTD_BLOCK_HEAD: usize = 3;
+
+/// Length of the zstd frame of so many bytes.
+fn raw_zstd_length(length: usize) -> usize {
+    ZSTD_HEAD + length.div_ceil(LONGEST_BLOCK).max(1) * ZSTD_BLOCK_HEAD + length
+}
+
 /// A zstd frame of raw blocks (RFC 8878): magic, single segment with a 4-byte size, blocks with a 3-byte header.
-fn raw_zstd(bytes: &[u8]) -> Vec<u8> {
-    let mut frame = vec![0x28, 0xB5, 0x2F, 0xFD, 0xA0];
+fn append_raw_zstd(frame: &mut Vec<u8>, bytes: &[u8]) {
+    frame.extend([0x28, 0xB5, 0x2F, 0xFD, 0xA0]);
     frame.extend((bytes.len() as u32).to_le_bytes());
     let last = bytes.len().div_ceil(LONGEST_BLOCK).max(1) - 1;
     let mut blocks = bytes.chunks(LONGEST_BLOCK);
     for index in 0..=last {
         let block = blocks.next().unwrap_or_default();
         let header = (block.len() as u32) << 3 | u32::from(index == last);
-        frame.extend(&header.to_le_bytes()[..3]);
+        frame.extend(&header.to_le_bytes()[..ZSTD_BLOCK_HEAD]);
         frame.extend(block);
     }
-    frame
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::server::viewers::pack::map;
+    use crate::server::viewers::viser_move::Mover;
 
     #[test]
     fn zstd_itself_reads_the_raw_frame() {
         for length in [0, 1, LONGEST_BLOCK - 1, LONGEST_BLOCK, LONGEST_BLOCK + 1, 400_000] {
             let bytes: Vec<u8> = (0..length).map(|k| (k * 31 % 251) as u8).collect();
             let mut read = zstd::bulk::Decompressor::new().expect("zstd");
-            assert_eq!(read.decompress(&raw_zstd(&bytes), length + 1).expect("a frame"), bytes);
+            let mut frame = Vec::new();
+            append_raw_zstd(&mut frame, &bytes);
+            assert_eq!(frame.len(), raw_zstd_length(length));
+            assert_eq!(read.decompress(&frame, length + 1).expect("a frame"), bytes);
         }
+    }
+
+    #[test]
+    fn a_moved_node_is_told_as_the_library_writes_it() {
+        let (mut batch, pose) = (Batch::default(), [1.5, -2.0, 0.25, 0.5, -0.5, 0.5, 0.5]);
+        Mover::new("/a").place(pose, &mut batch);
+        let list = |values: &[f32]| Value::Array(values.iter().copied().map(Value::F32).collect());
+        let wanted = [
+            map! { "type" => "SetPositionMessage", "name" => "/a", "owner" => "", "position" => list(&pose[..3]) },
+            map! { "type" => "SetOrientationMessage", "name" => "/a", "owner" => "", "wxyz" => list(&pose[3..]) },
+        ];
+        assert_eq!(batch.messages, wanted.map(|message| pack::encode(&message)).concat());
+        assert_eq!(batch.len(), 2);
     }
 
     #[test]
@@ -125,7 +178,7 @@ mod tests {
         assert!(batch.is_empty());
         let odd = batch.array("|u1", vec![1, 2, 3]);
         let numbers = batch.array("<f8", pack::f64_bytes([0.5, -0.25]));
-        batch.push(map! { "type" => "Probe", "odd" => odd, "numbers" => numbers });
+        batch.push(&map! { "type" => "Probe", "odd" => odd, "numbers" => numbers });
         let frame = batch.encode(12.5);
         let length = |at: usize| u64::from_le_bytes(frame[at..at + 8].try_into().unwrap()) as usize;
         let (n, c) = (length(0), length(8));
@@ -133,6 +186,8 @@ mod tests {
         assert_eq!(inner.len(), n);
         let inner = pack::decode(&inner).expect("MessagePack");
         assert_eq!(pack::get(&inner, "timestampSec"), Some(&Value::F64(12.5)));
+        let messages = pack::get(&inner, "messages").and_then(Value::as_array).expect("a list");
+        assert_eq!((messages.len(), pack::text(&messages[0], "type")), (1, Some("Probe")));
         let lengths = Value::Array(vec![3.into(), 16.into()]);
         assert_eq!(pack::get(&inner, "binaryBufferLengths"), Some(&lengths));
         let first = (16 + c).next_multiple_of(8);

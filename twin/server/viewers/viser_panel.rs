@@ -59,8 +59,8 @@ pub(super) const CHARTS: [Chart; 2] = [
 
 /// Builds the panel.
 pub(super) fn build(published: &Published, batch: &mut Batch) {
-    batch.push(theme());
-    batch.push(map! { "type" => "SetGuiPanelLabelMessage", "label" => "twin" });
+    batch.push(&theme());
+    batch.push(&map! { "type" => "SetGuiPanelLabelMessage", "label" => "twin" });
     let mut order = 0.0;
     let mut next = || {
         order += 1.0;
@@ -68,13 +68,13 @@ pub(super) fn build(published: &Published, batch: &mut Batch) {
     };
     let text = status(&published.state);
     let props = map! { "order" => next(), "_markdown" => text, "visible" => true };
-    batch.push(element("GuiMarkdownMessage", STATUS, "root", None, props));
+    batch.push(&element("GuiMarkdownMessage", STATUS, "root", None, props));
     for (_, name) in Button::ALL {
-        batch.push(button(name, next()));
+        batch.push(&button(name, next()));
     }
-    batch.push(scenarios(published, next()));
+    batch.push(&scenarios(published, next()));
     for (label, _) in LAYERS {
-        batch.push(check_box(label, next()));
+        batch.push(&check_box(label, next()));
     }
     for chart in &CHARTS {
         add_chart(chart, next(), batch);
@@ -90,9 +90,9 @@ pub(super) fn build(published: &Published, batch: &mut Batch) {
                 "visible" => true,
                 "expand_by_default" => groups.len() == 1,
             };
-            batch.push(element("GuiFolderMessage", &folder, "root", None, props));
+            batch.push(&element("GuiFolderMessage", &folder, "root", None, props));
         }
-        batch.push(slider(gain, &folder, next()));
+        batch.push(&slider(gain, &folder, next()));
     }
 }
 
@@ -252,5 +252,5 @@ fn add_chart(plot: &Chart, order: f64, batch: &mut Batch) {
         "padding" => Value::Nil,
         "visible" => true,
     };
-    batch.push(element("GuiUplotMessage", plot.id, "root", None, props));
+    batch.push(&element("GuiUplotMessage", plot.id, "root", None, props));
 }

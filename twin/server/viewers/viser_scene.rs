@@ -4,10 +4,12 @@ use rmpv::Value;
 
 use crate::mirror::scene::SceneShape;
 use crate::server::viewers::drawing::{Drawing, Part, ROOT, rgb};
+use crate::server::viewers::forces::{ARROWS, Arrow, FORCES};
 use crate::server::viewers::pack::{f32_bytes, map, numbers, u32_bytes};
 use crate::server::viewers::trail::{LINES, TRAILS};
 use crate::server::viewers::viser_frame::Batch;
-use crate::server::viewers::viser_label::LABEL;
+use crate::server::viewers::viser_label as label;
+use crate::server::viewers::viser_move::Mover;
 
 /// Turns three.js' y-up world so that our z points up.
 const WORLD_WXYZ: [f64; 4] = [0.5, -0.5, 0.5, 0.5];
@@ -15,24 +17,80 @@ const WORLD_WXYZ: [f64; 4] = [0.5, -0.5, 0.5, 0.5];
 /// Width of a trail, pixels.
 const LINE_PX: f64 = 2.0;
 
+/// Thickness of an arrow's shaft and head and length of its head, as in the console, m.
+const SHAFT_RADIUS_M: f64 = 0.004;
+const HEAD_RADIUS_M: f64 = 0.012;
+const HEAD_LENGTH_M: f64 = 0.035;
+
+/// Where the vehicle stood at each mark of its way.
+const MARKS: &str = "/twin/trails/attitude";
+
 /// Draws everything at its pose of the start.
 pub(super) fn draw(drawing: &Drawing, batch: &mut Batch) {
-    batch.push(orientation("", WORLD_WXYZ));
-    batch.push(grid());
-    batch.push(frame(ROOT));
+    batch.push(&orientation("", WORLD_WXYZ));
+    batch.push(&grid());
+    batch.push(&frame(ROOT));
     for node in &drawing.nodes {
-        batch.push(frame(&node.path));
-        place(&node.path, node.pose, batch);
+        batch.push(&frame(&node.path));
+        Mover::new(&node.path).place(node.pose, batch);
     }
     for part in &drawing.parts {
         add(part, batch);
-        batch.push(position(&part.path, part.position));
-        batch.push(orientation(&part.path, part.quaternion_wxyz));
+        batch.push(&position(&part.path, part.position));
+        batch.push(&orientation(&part.path, part.quaternion_wxyz));
     }
-    batch.push(frame(TRAILS));
+    batch.push(&frame(TRAILS));
     for (path, _, rgb) in LINES {
         add_line(path, rgb, batch);
     }
+    label::draw(drawing, batch);
+}
+
+/// Adds the arrows and the marks of the way, to be updated. A recording has neither.
+pub(super) fn draw_live(batch: &mut Batch) {
+    batch.push(&frame(FORCES));
+    for (path, _, rgb, _) in ARROWS {
+        let points = batch.array("<f4", f32_bytes([0.0; 6]));
+        let colors = batch.array("|u1", rgb.to_vec());
+        let props = map! {
+            "points" => points,
+            "colors" => colors,
+            "shaft_radius" => SHAFT_RADIUS_M,
+            "head_radius" => HEAD_RADIUS_M,
+            "head_length" => HEAD_LENGTH_M,
+            "scale" => 1.0,
+        };
+        batch.push(&node("ArrowMessage", path, props));
+    }
+    let [wxyzs, positions] = [(); 2].map(|()| batch.array("<f4", Vec::new()));
+    let props = map! {
+        "batched_wxyzs" => wxyzs,
+        "batched_positions" => positions,
+        "batched_scales" => Value::Nil,
+        "axes_length" => 0.08,
+        "axes_radius" => 0.003,
+        "scale" => 1.0,
+    };
+    batch.push(&node("BatchedAxesMessage", MARKS, props));
+}
+
+/// Points the arrows anew.
+pub(super) fn update_arrows(arrows: [Arrow; ARROWS.len()], batch: &mut Batch) {
+    for ((path, ..), arrow) in ARROWS.iter().zip(arrows) {
+        let points = batch.array("<f4", f32_bytes(arrow.into_iter().flatten()));
+        batch.push(&change(path, map! { "points" => points }));
+    }
+}
+
+/// Sets all marks of the way at once: `[x y z w x y z]` each, m.
+pub(super) fn update_marks<'a>(
+    marks: impl Iterator<Item = &'a [f32; 7]> + Clone,
+    batch: &mut Batch,
+) {
+    let turns = marks.clone().flat_map(|[.., w, x, y, z]| [*w, *x, *y, *z]);
+    let wxyzs = batch.array("<f4", f32_bytes(turns));
+    let positions = batch.array("<f4", f32_bytes(marks.flat_map(|[x, y, z, ..]| [*x, *y, *z])));
+    batch.push(&change(MARKS, map! { "batched_wxyzs" => wxyzs, "batched_positions" => positions }));
 }
 
 /// The viewer's surroundings light the scene alone: its lamps on top of them bleach every colour of the URDF.
@@ -42,22 +100,26 @@ pub(super) fn light() -> Value {
 
 /// Removes what was drawn; viser removes no children by itself.
 pub(super) fn erase(drawing: &Drawing, batch: &mut Batch) {
-    let parts = drawing.parts.iter().map(|part| part.path.as_str());
-    let lines = LINES.iter().map(|(path, ..)| *path).chain([TRAILS]);
-    for name in
-        parts.chain([LABEL]).chain(drawing.nodes.iter().map(|node| node.path.as_str())).chain(lines)
-    {
-        batch.push(map! { "type" => "RemoveSceneNodeMessage", "name" => name, "owner" => "" });
+    let labels: Vec<String> = label::paths(drawing).collect();
+    let names = labels.iter().chain(drawing.parts.iter().map(|part| &part.path));
+    let names = names.chain(drawing.nodes.iter().map(|node| &node.path)).map(String::as_str);
+    let lines = LINES.iter().map(|(path, ..)| *path).chain([MARKS, TRAILS]);
+    let arrows = ARROWS.iter().map(|(path, ..)| *path).chain([FORCES]);
+    for name in names.chain(lines).chain(arrows) {
+        batch.push(&map! { "type" => "RemoveSceneNodeMessage", "name" => name, "owner" => "" });
     }
 }
 
 /// Replaces a line of segments: for each segment its two ends in the world, m.
 pub(super) fn update_line(path: &str, rgb: [u8; 3], ends: Vec<f32>, batch: &mut Batch) {
     let [points, colors] = line(rgb, ends, batch);
-    let updates = map! { "points" => points, "colors" => colors };
-    batch.push(map! {
-        "type" => "SceneNodeUpdateMessage", "name" => path, "updates" => updates, "owner" => "",
-    });
+    batch.push(&change(path, map! { "points" => points, "colors" => colors }));
+}
+
+/// New values of some properties of a node.
+fn change(path: &str, updates: Value) -> Value {
+    let kind = "SceneNodeUpdateMessage";
+    map! { "type" => kind, "name" => path, "updates" => updates, "owner" => "" }
 }
 
 /// Shows or hides a node with all below it.
@@ -82,17 +144,11 @@ fn add_line(path: &str, rgb: [u8; 3], batch: &mut Batch) {
         "scale" => 1.0,
         "thickness_units" => "screen",
     };
-    batch.push(node("LineSegmentsMessage", path, props));
+    batch.push(&node("LineSegmentsMessage", path, props));
 }
 
-/// Moves a node to `[x y z w x y z]` in the world, m.
-pub(super) fn place(path: &str, pose: [f32; 7], batch: &mut Batch) {
-    let [x, y, z, qw, qx, qy, qz] = pose.map(f64::from);
-    batch.push(position(path, [x, y, z]));
-    batch.push(orientation(path, [qw, qx, qy, qz]));
-}
-
-fn position(name: &str, xyz: [f64; 3]) -> Value {
+/// Moves a node within its parent, m.
+pub(super) fn position(name: &str, xyz: [f64; 3]) -> Value {
     map! { "type" => "SetPositionMessage", "name" => name, "position" => numbers(xyz), "owner" => "" }
 }
 
@@ -164,7 +220,7 @@ fn add(part: &Part, batch: &mut Batch) {
     };
     props.extend(look(part));
     let props = props.into_iter().map(|(key, value)| (Value::from(key), value)).collect();
-    batch.push(node(kind, &part.path, Value::Map(props)));
+    batch.push(&node(kind, &part.path, Value::Map(props)));
 }
 
 fn look(part: &Part) -> [(&'static str, Value); 9] {
