@@ -157,7 +157,7 @@ impl Reader {
             if !(array.is_empty() || size.is_empty()) {
                 return Err(format!("{field}: arrays of arrays are not read"));
             }
-            body += &format!("{element}{array}{size} {field}\n");
+            body.extend([element.as_str(), &array, &size, " ", &field, "\n"]);
         }
         self.expect("}")?;
         let package = self.modules.first().map(String::as_str).unwrap_or_default();

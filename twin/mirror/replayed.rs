@@ -61,7 +61,9 @@ pub(super) fn instant(measurement: &Measurement, mirrored: bool) -> Instant {
     if mirrored {
         let Instant { chi, chi_dot, chi_ddot, tau } = &mut instant;
         for values in [chi, chi_dot, chi_ddot, tau] {
-            values.iter_mut().for_each(|value| *value = value.filter(|v| v.is_finite()));
+            for value in values {
+                *value = value.filter(|v| v.is_finite());
+            }
         }
     }
     instant

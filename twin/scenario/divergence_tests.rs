@@ -25,12 +25,10 @@ fn flight(overstated: f64, torque: bool, delay_s: f64) -> RecordedFlight {
         for row in 0..AXES {
             made.chi[row] = Some(chi[row]);
             made.chi_dot[row] = Some(0.0);
-            made.chi_ddot[row] = Some(if row < 3 {
-                a[row]
-            } else if row == 3 {
-                turn
-            } else {
-                0.0
+            made.chi_ddot[row] = Some(match row {
+                0..3 => a[row],
+                3 => turn,
+                _ => 0.0,
             });
             let moment = if row == 3 { INERTIA_KG_M2 * turn } else { 0.0 };
             made.tau[row] = if row < 3 { Some(force[row]) } else { torque.then_some(moment) };

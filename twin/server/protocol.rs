@@ -322,7 +322,7 @@ pub struct StateInfo {
     /// Effects that are switched off.
     pub effects_off: Vec<String>,
     /// The twin that flew beside a mirrored recording until now; `null` if a simulated vehicle flies.
-    pub twin: Option<TwinInfo>,
+    pub twin: Option<Box<TwinInfo>>,
 }
 
 /// What one stage of a tick costs.

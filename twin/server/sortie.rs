@@ -187,7 +187,7 @@ impl Sortie {
             STREAM_LOST.clone_into(&mut state.task_phase);
         }
         let flown = self.next_tick.saturating_sub(1) as usize;
-        state.twin = self.mirrored.as_ref().map(|mirrored| mirrored.beside(flown));
+        state.twin = self.mirrored.as_ref().map(|mirrored| Box::new(mirrored.beside(flown)));
         state.verdict = verdict;
         state.reason = reason;
         self.world.describe(state);
