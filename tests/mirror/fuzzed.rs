@@ -7,6 +7,7 @@ use std::sync::LazyLock;
 
 use twin::mirror::cdr::{decode, decode_packed};
 use twin::mirror::gather::gather_from;
+use twin::mirror::protobuf::Descriptor;
 use twin::mirror::recorded::on_ticks;
 use twin::mirror::schema::Layout;
 use twin::mirror::signals::signals;
@@ -26,6 +27,13 @@ static MAP: LazyLock<Map> =
 
 static LAYOUT: LazyLock<Layout> =
     LazyLock::new(|| Layout::parse("p/msg/Outer", DEFINITION).expect("a definition"));
+
+/// A `FileDescriptorSet` of a type that contains itself, a text and packed numbers: `p.T { T a = 1; string b = 2; repeated double c
+/// = 3; }`.
+const DESCRIPTOR: &[u8] = b"\x0a/\x12\x01p\x22*\x0a\x01T\x12\x0f\x0a\x01a\x18\x01\x20\x01(\x0b2\x04.p.T\x12\x09\x0a\x01b\x18\x02\x20\x01(\x09\x12\x09\x0a\x01c\x18\x03\x20\x03(\x01";
+
+static DESCRIBED: LazyLock<Descriptor> =
+    LazyLock::new(|| Descriptor::parse("p.T", DESCRIPTOR).expect("a descriptor"));
 
 /// A message of [`DEFINITION`].
 pub(super) fn message() -> Vec<u8> {
@@ -71,13 +79,18 @@ pub(super) fn indexed(bytes: &[u8]) -> bool {
 
 /// A message by a sound definition, as CDR and as ULog.
 pub(super) fn of_definition(bytes: &[u8]) {
-    let _ = (decode(&LAYOUT, bytes), decode_packed(&LAYOUT, bytes));
+    let _ = (decode(&LAYOUT, bytes), decode_packed(&LAYOUT, bytes), DESCRIBED.decode(bytes));
 }
 
 /// A definition, and a message by it.
 pub(super) fn definition(text: &[u8]) {
+    if let Ok(descriptor) = Descriptor::parse("p.T", text) {
+        let _ = (descriptor.decode(&message()), descriptor.decode(text));
+    }
     let text = String::from_utf8_lossy(text);
-    let layouts = [Layout::parse("p/msg/Outer", &text), Layout::parse_ulog(&text)];
+    let name = "p/msg/Outer";
+    let layouts =
+        [Layout::parse(name, &text), Layout::parse_idl(name, &text), Layout::parse_ulog(&text)];
     for layout in layouts.iter().flatten() {
         let _ = (decode(layout, &message()), decode_packed(layout, &message()));
     }

@@ -172,6 +172,28 @@ fn a_stream_of_the_older_protocol_is_followed_through_silence_and_a_lost_connect
 }
 
 #[test]
+fn a_server_that_is_gone_without_a_word_is_lost_and_tried_again() {
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let address = listener.local_addr().expect("an address");
+    let mood = Arc::new(AtomicU8::new(SAYS));
+    let theirs = Arc::clone(&mood);
+    let start = Instant::now();
+    // The first connection stays open, as that of a machine without power does; nobody answers on it.
+    let gone = std::thread::spawn(move || {
+        let first = listener.accept().expect("a client").0;
+        let kept = first.try_clone().expect("a handle");
+        serve(first, start, &theirs);
+        let again = listener.accept().expect("it comes again").0;
+        drop((kept, again));
+    });
+    let live = Live::listen(&From::Socket(format!("ws://{address}")), None).expect("a thread");
+    live.wait(PATIENCE).expect("a flight");
+    mood.store(HANGS_UP, Ordering::Relaxed);
+    until("a loss", || live.news().iter().any(|text| text.contains("no answer")));
+    gone.join().expect("the client came again");
+}
+
+#[test]
 fn the_last_value_is_not_held_for_longer_than_a_gap() {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
     let address = listener.local_addr().expect("an address");

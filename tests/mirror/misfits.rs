@@ -72,7 +72,9 @@ fn an_unknown_encoding_is_named_with_those_that_are_read() {
     let bytes = made(&[channel], &[(0, 1, vec![1, 2, 3])]);
     let map = map("[[topic]]\ntopic = \"/pose\"\n[topic.gives.battery]\npaths = [\"v\"]\n");
     let notes = gather_from(&mut &bytes[..], &map).expect("an MCAP").notes;
-    assert!(notes[0].contains("flatbuffer") && notes[0].contains("ros2msg with cdr"), "{notes:?}");
+    let wanted = ["flatbuffer", "ros2msg and ros2idl with cdr"];
+    assert!(wanted.iter().all(|word| notes[0].contains(word)), "{notes:?}");
+    assert_eq!(notes.len(), 1, "said once: {notes:?}");
 }
 
 #[test]
@@ -133,4 +135,67 @@ fn times_that_run_backwards_repeat_or_stand_beside_nan_are_counted_and_left_out(
         assert!((x - opened.recorded.times_s[tick]).abs() < 1e-9, "{tick}: {x}");
         assert_eq!(instant.chi[3], None);
     }
+}
+
+/// A record of an MCAP file.
+fn record(opcode: u8, body: &[u8]) -> Vec<u8> {
+    [&[opcode][..], &(body.len() as u64).to_le_bytes(), body].concat()
+}
+
+#[test]
+fn a_channel_that_stands_in_the_summary_alone_is_an_empty_one() {
+    let text = |text: &str| [&(text.len() as u32).to_le_bytes()[..], text.as_bytes()].concat();
+    // As rosbag2 writes it: a channel without a message is in no chunk. Opcodes by the MCAP specification: header, end of data,
+    // channel, footer.
+    let channel = [&7_u16.to_le_bytes()[..], &[0; 2], &text("/mode"), &text("cdr"), &[0; 4]];
+    let bytes = [
+        mcap::MAGIC.to_vec(),
+        record(0x01, &[text("ros2"), text("hand")].concat()),
+        record(0x0F, &[0; 4]),
+        record(0x04, &channel.concat()),
+        record(0x02, &[0; 20]),
+        mcap::MAGIC.to_vec(),
+    ]
+    .concat();
+    let survey = Survey::read_from(&mut &*bytes).expect("readable");
+    assert!(survey.container.complete && survey.container.problems.is_empty(), "{survey:?}");
+    let found: Vec<(&str, u64)> =
+        survey.channels.iter().map(|info| (info.topic.as_str(), info.messages)).collect();
+    assert_eq!(found, [("/mode", 0)]);
+}
+
+#[test]
+fn transforms_in_protobuf_give_the_pose_of_the_base() {
+    use foxglove::Encode;
+    use foxglove::messages::{FrameTransform, FrameTransforms, Quaternion, Timestamp, Vector3};
+    let one = |name: &str, x: f64, ms: u32| FrameTransform {
+        timestamp: Some(Timestamp::new(100, ms * 1_000_000)),
+        parent_frame_id: "world".to_owned(),
+        child_frame_id: name.to_owned(),
+        translation: Some(Vector3 { x, y: 0.5, z: 1.0 }),
+        // A yaw that grows with x: what never changes was not measured.
+        rotation: Some(Quaternion { x: 0.0, y: 0.0, z: (x / 2.0).sin(), w: (x / 2.0).cos() }),
+    };
+    let schema = FrameTransforms::get_schema().expect("a schema");
+    let mut writer = mcap::WriteOptions::new().create(Cursor::new(Vec::new())).expect("a writer");
+    let id = writer.add_schema(&schema.name, &schema.encoding, &schema.data).expect("a schema");
+    let channel_id =
+        writer.add_channel(id, "/tf", "protobuf", &BTreeMap::new()).expect("a channel");
+    for i in 0..50_u32 {
+        let x = f64::from(i) * 0.01;
+        let transforms = vec![one("gripper", 9.0, 10 * i), one("base_link", x, 10 * i)];
+        let mut data = Vec::new();
+        FrameTransforms { transforms }.encode(&mut data).expect("encoded");
+        let log_time = u64::from(i) * 10_000_000 + 3_000_000;
+        let header = MessageHeader { channel_id, sequence: i, log_time, publish_time: log_time };
+        writer.write_to_known_channel(&header, &data).expect("written");
+    }
+    writer.finish().expect("finished");
+    let protobuf = writer.into_inner().into_inner();
+    let opened = OpenedFlight::open(&file("tf_protobuf.mcap", &protobuf), None).expect("a flight");
+    let last = opened.recorded.instants.last().expect("ticks");
+    // 49 steps of 10 mm and of 10 mrad.
+    assert!((last.chi[0].expect("known") - 0.49).abs() < 1e-9, "{last:?}");
+    assert!((last.chi[5].expect("known") - 0.49).abs() < 1e-9, "{last:?}");
+    assert_eq!(opened.signals.used[0].topic, "/tf");
 }

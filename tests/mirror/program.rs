@@ -2,7 +2,7 @@
 
 use std::process::{Command, Output, Stdio};
 
-use super::made::{PLAIN, file, flight};
+use super::made::{Form, PLAIN, file, flight};
 
 fn twin(arguments: &[&str]) -> (Output, String) {
     let output =
@@ -95,4 +95,62 @@ fn a_reader_that_stops_reading_ends_the_program_without_a_word() {
         (output.status.code(), String::from_utf8_lossy(&output.stderr)),
         (Some(0), "".into())
     );
+}
+
+#[test]
+fn what_is_unknown_in_a_flight_is_unknown_in_its_recording_its_page_and_its_csv() {
+    let path = file("program_hole.mcap", &flight(Form { hole_s: Some((6.0, 9.0)), ..PLAIN }));
+    let [path, record, plot, page, csv] = [
+        path.clone(),
+        path.with_extension("rec.mcap"),
+        path.with_extension("svg"),
+        path.with_extension("html"),
+        path.with_extension("csv"),
+    ]
+    .map(|path| path.to_str().expect("text").to_owned());
+    let (first, _) = twin(&[
+        "mirror",
+        &path,
+        "--headless",
+        "--json",
+        "--record",
+        &record,
+        "--plot",
+        &plot,
+        "--fly-from",
+        "12.5",
+    ]);
+    assert_eq!(first.status.code(), Some(0), "{first:?}");
+    let (again, _) = twin(&["mirror", &record, "--headless", "--json"]);
+    let (first, again) = (json(&first), json(&again));
+    for row in 0..8 {
+        for key in ["coordinate_known", "residual"] {
+            let of = |found: &serde_json::Value| found["shadow"]["rows"][row][key].clone();
+            assert_eq!(of(&first), of(&again), "{row} {key}");
+        }
+    }
+    assert!(first["shadow"]["rows"][0]["coordinate_known"].as_f64().expect("a share") < 0.9);
+    // The made vehicle obeys its thrust, so the twin holds; its torque is unknown.
+    let divergence = &first["divergence"];
+    assert_eq!(
+        (&divergence["light"], &divergence["from"]["own_attitude"]),
+        (&"valid".into(), &false.into())
+    );
+    assert_eq!(divergence["horizons"][1]["axes"].as_array().map(Vec::len), Some(3));
+    assert!(std::fs::read_to_string(&plot).expect("a picture").starts_with("<svg"));
+    let (csv_of, _) = twin(&["export", "csv", &record, "-o", &csv]);
+    assert_eq!(csv_of.status.code(), Some(0));
+    let text = std::fs::read_to_string(&csv).expect("written");
+    let column = |name: &str| text.lines().next()?.split(',').position(|found| found == name);
+    let cell = |tick: usize, name: &str| {
+        text.lines().nth(tick + 1)?.split(',').nth(column(name)?).map(str::to_owned)
+    };
+    let of = |name: &str| [500, 800].map(|tick| cell(tick, name).expect("a cell").is_empty());
+    assert_eq!(
+        (of("chi.x"), of("residual.z"), of("residual.psi")),
+        ([false, true], [false, true], [true; 2])
+    );
+    let (html, stderr) = twin(&["export", "html", &record, "-o", &page]);
+    assert_eq!(html.status.code(), Some(0), "{stderr}");
+    assert!(std::fs::read_to_string(&page).expect("a page").contains("<html"));
 }

@@ -68,6 +68,10 @@ fn the_bag_of_a_vehicle_that_is_carried_has_joints_and_no_force() {
     let fastest = recorded.instants.iter().filter_map(|i| i.chi_dot[6]).fold(0.0, f64::max);
     assert!(fastest > 0.2, "{fastest}");
     assert!(report.scored.rows.iter().all(|row| row.residual.is_none()));
+    // By the reader of the mcap package for Python: 32 channels, 8 of them without a message.
+    let survey = Survey::read(&path).expect("readable");
+    let empty = survey.channels.iter().filter(|info| info.messages == 0).count();
+    assert_eq!((survey.channels.len(), empty), (32, 8));
 }
 
 #[test]

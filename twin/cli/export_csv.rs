@@ -97,7 +97,10 @@ fn line(tick: &Tick, (coordinate, residual): &([bool; N], [bool; N])) -> String 
     let mut cells = vec![tick.index.to_string(), tick.measurement.t_s.to_string()];
     for (_, of_residual, take) in GROUPS {
         let (values, known) = (take(tick), if of_residual { residual } else { coordinate });
-        let cell = |row: usize| if known[row] { values[row].to_string() } else { String::new() };
+        let cell = |row: usize| {
+            let value = Some(values[row]).filter(|v| known[row] && v.is_finite());
+            value.map_or_else(String::new, |v| v.to_string())
+        };
         cells.extend((0..N).map(cell));
     }
     cells.push(u8::from(tick.adapted.reset).to_string());

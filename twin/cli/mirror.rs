@@ -7,15 +7,18 @@ use std::time::Duration;
 use anyhow::Context;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
+use twin::evaluate::mirrored::FlightPicture;
 use twin::mirror::live::{From, is_address};
 use twin::mirror::{Live, OpenedFlight, Recorder, RecordingEnd, RecordingInfo, stand_in};
 use twin::residual::PredictorInfo;
+use twin::scenario::shadow::masked;
 use twin::scenario::{Shadow, ShadowReport};
 use twin::server::{MirrorOptions, serve_mirror};
 use twin::tick::Tick;
 
 use super::End;
 use super::fly::{Speed, parse_speed};
+use super::mirror_beside as beside;
 
 /// While nothing is heard, it is said after so long what is waited for.
 const TOLD: Duration = Duration::from_secs(5);
@@ -37,6 +40,15 @@ pub(super) struct MirrorArgs {
     /// Record the flight with residuals and predictions as MCAP (with --headless).
     #[arg(long, value_name = "FILE.mcap", requires = "headless")]
     record: Option<PathBuf>,
+    /// Draw thrust, residual and adapter over the flight as SVG (with --headless).
+    #[arg(long, value_name = "FILE.svg", requires = "headless")]
+    plot: Option<PathBuf>,
+    /// The twin that flies beside the recording (with --headless) [default: one rigid body of the mass and inertia that are known].
+    #[arg(long, value_name = "FILE.urdf", requires = "headless")]
+    urdf: Option<PathBuf>,
+    /// Fly the twin from this time of the recording, s, and print how far it gets from the flight (with --headless).
+    #[arg(long, value_name = "SECONDS", requires = "headless")]
+    fly_from: Option<f64>,
     /// Which messages mean what: a TOML file, or a shipped map (`acsl_x8`, `crazyflie`, `px4_arm`) [default: recognised].
     #[arg(long, value_name = "TOPICS.toml")]
     map: Option<String>,
@@ -77,11 +89,22 @@ pub(super) fn run(args: &MirrorArgs) -> anyhow::Result<End> {
         serve_mirror(options(args, opened, None))?;
         return Ok(End::Passed);
     }
-    let report = fly(&opened, args.record.as_deref())?;
+    let shadow = Shadow::of(&opened);
+    let twin = beside::twin(args.urdf.as_deref(), &opened)?;
+    let mut picture = args.plot.as_ref().map(|_| FlightPicture::new(opened.recorded.mass_kg));
+    let report = fly(&opened, &shadow, args.record.as_deref(), picture.as_mut())?;
+    if let (Some(file), Some(picture)) = (&args.plot, &picture) {
+        std::fs::write(file, picture.svg(&opened.name()))
+            .with_context(|| format!("{}: the picture cannot be written", file.display()))?;
+    }
+    let divergence = beside::Divergence::new(&opened, &shadow, twin, args.fly_from)?;
     if args.json {
-        println!("{}", json(&opened, &report));
+        let mut found = json(&opened, &report);
+        found["divergence"] = divergence.json();
+        println!("{found}");
     } else {
         print(&opened, &report);
+        divergence.print();
     }
     Ok(End::Passed)
 }
@@ -143,19 +166,29 @@ fn open(args: &MirrorArgs) -> anyhow::Result<OpenedFlight> {
     Ok(opened?)
 }
 
-/// Flies in shadow to the end, and records it if that is asked for.
-fn fly(opened: &OpenedFlight, record: Option<&Path>) -> anyhow::Result<ShadowReport> {
-    let shadow = Shadow::of(opened);
+/// Flies in shadow to the end, and records or draws it if that is asked for.
+fn fly(
+    opened: &OpenedFlight,
+    shadow: &Shadow,
+    record: Option<&Path>,
+    mut picture: Option<&mut FlightPicture>,
+) -> anyhow::Result<ShadowReport> {
     let mut recorder = match record {
-        Some(path) => Some(Recorder::create(path, &recording_info(opened, &shadow)?)?),
+        Some(path) => Some(Recorder::create(path, &recording_info(opened, shadow)?)?),
         None => None,
     };
     let mut trouble = None;
+    let mut index = 0;
     let mut keep = |tick: &Tick| {
+        let known = shadow.film().known(index);
+        index += 1;
+        if let Some(picture) = &mut picture {
+            picture.add(tick, known.1[2]);
+        }
         if let Some(recorder) = &mut recorder
             && trouble.is_none()
         {
-            trouble = recorder.record(Arc::new(tick.clone())).err();
+            trouble = recorder.record(Arc::new(masked(tick, known))).err();
         }
     };
     let report = shadow
@@ -178,6 +211,7 @@ fn fly(opened: &OpenedFlight, record: Option<&Path>) -> anyhow::Result<ShadowRep
 
 fn recording_info(opened: &OpenedFlight, shadow: &Shadow) -> anyhow::Result<RecordingInfo> {
     Ok(RecordingInfo {
+        mirrored: true,
         scenario: format!("mirror of {}", opened.name()),
         scenario_toml: String::new(),
         seed: 0,

@@ -13,6 +13,7 @@ mod export_viewers;
 mod fly;
 mod info;
 mod mirror;
+mod mirror_beside;
 mod test;
 mod test_table;
 mod train;

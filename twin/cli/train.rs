@@ -19,6 +19,7 @@ Examples:
   twin collect && twin train                                        from nothing to the small FDT on two cores
   twin train out/data --seed 2 --out fdt_2.safetensors        another seed
   twin train out/data --config paper                          the paper's size: a night on two cores
+  twin train out/data --config paper --device gpu             the same on a graphics processor
   twin train out/data --config mine.toml --epochs 10          own settings; `--print-config` shows every key
   twin train out/data --without long-memory                   an ablation, trained anew
   twin train out/data --model lstm                            a baseline of the tables
@@ -54,6 +55,9 @@ pub(super) struct TrainArgs {
     /// The file of weights, or with `--all` the folder of them [default: out/weights/MODEL.safetensors].
     #[arg(long, value_name = "W.safetensors")]
     out: Option<PathBuf>,
+    /// Where to compute: all cores, or a graphics processor through Vulkan (built with `--features gpu`).
+    #[arg(long, value_enum, default_value = "cpu")]
+    device: Where,
     /// Go on from the checkpoint beside the file of weights.
     #[arg(long)]
     resume: bool,
@@ -66,6 +70,13 @@ pub(super) struct TrainArgs {
     /// Print exactly one JSON object on stdout.
     #[arg(long)]
     json: bool,
+}
+
+/// Where a training computes.
+#[derive(Clone, Copy, ValueEnum)]
+enum Where {
+    Cpu,
+    Gpu,
 }
 
 /// Where weights are written if nobody says.
@@ -180,7 +191,11 @@ fn jobs(args: &TrainArgs) -> anyhow::Result<Vec<Job>> {
 
 #[cfg(feature = "train")]
 fn train(args: &TrainArgs, jobs: &[Job]) -> anyhow::Result<End> {
-    use twin::learn::Dataset;
+    use twin::learn::{Dataset, device};
+    device::choose(match args.device {
+        Where::Cpu => device::DeviceKind::Cpu,
+        Where::Gpu => device::DeviceKind::Gpu,
+    })?;
     super::allocator::keep_memory();
     let data = Dataset::read(&flights(&args.data)?)?;
     eprintln!(

@@ -7,9 +7,12 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use super::entrants::{Candidate, trained};
+use super::pictures::{Curve, Picture};
 use super::replay::replay;
 use super::series::{EvaluateError, Sample, Series, Statistics};
+use super::sheet::{Sheet, figure};
 use crate::notation::Coords;
+use crate::residual::HORIZON;
 use crate::residual::weights::Weights;
 use crate::scenario::{Report, Scenario, fly};
 
@@ -31,6 +34,8 @@ pub struct Variant {
     pub weights: PathBuf,
     /// z-scored a-priori RMSE at `j = 0`, root of the mean over the seeds' squares.
     pub rmse_z: f64,
+    /// The same at every horizon.
+    pub rmse_z_by_horizon: Vec<f64>,
     /// R², mean over the seeds.
     pub r2: f64,
     /// Change against the full model, %.
@@ -71,7 +76,7 @@ pub fn statistics(weights: &Weights) -> Statistics {
     }
 }
 
-/// Replays the variant `name` of `weights` over all `flights`: RMSE and R².
+/// Replays the variant `name` of `weights` over all `flights`: RMSE at every horizon, and R² at `j = 0`.
 ///
 /// # Errors
 /// [`EvaluateError`] if the weights are not usable.
@@ -81,20 +86,52 @@ pub fn measure(
     scenario: &Scenario,
     flights: &[Series],
     statistics: &Statistics,
-) -> Result<[f64; 2], EvaluateError> {
+) -> Result<(Vec<f64>, f64), EvaluateError> {
     let tuning = scenario.tuning().map_err(crate::scenario::BuildError::from)?;
     let wanted = if name == "without_lra" { "fdt" } else { "fdt_lra" };
-    let (mut squares, mut r2) = (0.0, 0.0);
+    let (mut squares, mut r2) = (vec![0.0; HORIZON + 1], 0.0);
     for flight in flights {
         let candidates = trained(weights, file, &tuning)?;
         let Some(Candidate { mut entrant, .. }) = candidates.into_iter().find(|c| c.name == wanted)
         else {
             continue;
         };
-        let now = replay(&mut entrant, flight, statistics).horizons[0];
-        squares += now.rmse_z * now.rmse_z;
-        r2 += now.r2;
+        let horizons = replay(&mut entrant, flight, statistics).horizons;
+        for (sum, horizon) in squares.iter_mut().zip(&horizons) {
+            *sum += horizon.rmse_z * horizon.rmse_z;
+        }
+        r2 += horizons[0].r2;
     }
     let n = flights.len().max(1) as f64;
-    Ok([(squares / n).sqrt(), r2 / n])
+    Ok((squares.into_iter().map(|sum| (sum / n).sqrt()).collect(), r2 / n))
+}
+
+/// The table as cells.
+pub fn sheet(rows: &[Variant]) -> Sheet {
+    let horizons = (0..=HORIZON).map(|j| format!("RMSE z, j = {j}"));
+    let head = ["variant", "R²", "Δ %", "paper RMSE", "paper Δ %"].map(str::to_owned);
+    let mut sheet = Sheet::new(head.into_iter().chain(horizons));
+    sheet.rows.extend(rows.iter().map(|row| {
+        let [paper, change] = row.paper;
+        let figures = [row.r2, row.delta_percent, paper, change].map(|v| figure(Some(v), 3));
+        let by_horizon = row.rmse_z_by_horizon.iter().map(|v| figure(Some(*v), 4));
+        std::iter::once(row.name.clone()).chain(figures).chain(by_horizon).collect()
+    }));
+    sheet
+}
+
+/// Error over the horizon.
+pub fn over_horizon(rows: &[Variant]) -> Picture {
+    let curve = |row: &Variant| Curve {
+        name: row.name.clone(),
+        points: row.rmse_z_by_horizon.iter().enumerate().map(|(j, v)| (j as f64, *v)).collect(),
+        measured: false,
+    };
+    Picture {
+        title: "RMSE, z-scored, a priori".to_owned(),
+        x: "ticks ahead, j".to_owned(),
+        y: "RMSE".to_owned(),
+        curves: rows.iter().map(curve).collect(),
+        ..Picture::default()
+    }
 }

@@ -66,17 +66,22 @@ pub fn untrained_names() -> Vec<&'static str> {
     UNTRAINED.iter().map(|(name, ..)| *name).collect()
 }
 
-/// The row `name` of those that need no weights, for the vehicle of `scenario`.
+/// The row `name` of those that need no weights, for the vehicle of `scenario` with some keys set otherwise.
 ///
 /// # Errors
 /// [`EvaluateError`] for an unknown name or a vehicle that cannot be built.
-pub fn untrained(name: &str, scenario: &Path) -> Result<Candidate, EvaluateError> {
+pub fn untrained(
+    name: &str,
+    scenario: &Path,
+    overrides: &[String],
+) -> Result<Candidate, EvaluateError> {
     let found = UNTRAINED.iter().find(|(known, ..)| *known == name);
     let Some((_, label, kind, adapted)) = found else {
         let known = untrained_names().join(", ");
         return Err(EvaluateError::UnknownRow { name: name.to_owned(), known });
     };
-    let scenario = Scenario::load(scenario, &[format!("predictor.kind={kind}")])?;
+    let keys = [overrides, &[format!("predictor.kind={kind}")]].concat();
+    let scenario = Scenario::load(scenario, &keys)?;
     let parts = scenario.parts()?;
     let settings = lra::Settings { enabled: *adapted, ..parts.tuning.adapter };
     Ok(Candidate {

@@ -5,14 +5,18 @@
 pub mod ablation;
 pub mod entrants;
 pub mod fit;
+pub mod mirrored;
 mod page;
+pub mod paths;
 pub mod pickup;
 pub mod pictures;
 pub mod prediction;
 pub mod replay;
 pub mod score;
 pub mod series;
+pub mod sheet;
 
 pub use page::{pictures_page, prediction_page};
 pub use prediction::{PredictionTable, Row};
 pub use series::{EvaluateError, Series, Statistics};
+pub use sheet::Sheet;

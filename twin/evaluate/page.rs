@@ -122,7 +122,7 @@ fn over_horizon(rows: &[Row]) -> Picture {
         x: "ticks ahead, j".to_owned(),
         y: "RMSE".to_owned(),
         curves: rows.iter().filter(best).map(curve).collect(),
-        marks: Vec::new(),
+        ..Picture::default()
     }
 }
 
@@ -159,10 +159,11 @@ fn over_time(table: &PredictionTable, series: &Series, row: usize, at: usize) ->
         x: "t, s".to_owned(),
         y: if row < 3 { "N" } else { "N m" }.to_owned(),
         curves: std::iter::once(measured).chain(curves).collect(),
-        marks: Vec::new(),
+        ..Picture::default()
     }
 }
 
-fn escaped(text: &str) -> String {
+/// Text as markup.
+pub(super) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -136,6 +136,7 @@ pub fn pictures(flights: &[Flown]) -> Vec<Picture> {
         y: y.to_owned(),
         curves: flights.iter().map(|flown| curve(flown, value)).collect(),
         marks: marks(flights),
+        map: false,
     };
     vec![
         picture("mean innovation", "norm, z", |row| row.innovation),

@@ -5,6 +5,9 @@ use plotters::prelude::*;
 /// Width and height of a picture, px.
 const SIZE_PX: (u32, u32) = (860, 300);
 
+/// The same of a map.
+const MAP_PX: (u32, u32) = (640, 420);
+
 /// Okabe and Ito's colours without black and yellow.
 const COLOURS: [RGBColor; 6] = [
     RGBColor(213, 94, 0),
@@ -15,8 +18,11 @@ const COLOURS: [RGBColor; 6] = [
     RGBColor(86, 180, 233),
 ];
 
-/// Part of the height that is kept free for the legend.
-const LEGEND: f64 = 0.25;
+/// What margins, title and labels of the axes take of width and height, px.
+const SIDES_PX: (u32, u32) = (74 + LEGEND_PX.0, 84);
+
+/// Width kept free for the legend, right of the curves where it covers none, and the height of its lines, px.
+const LEGEND_PX: (u32, i32) = (170, 18);
 
 /// Dashes and gaps of a mark.
 const DASHES: u32 = 40;
@@ -45,26 +51,33 @@ pub struct Picture {
     pub curves: Vec<Curve>,
     /// Moments.
     pub marks: Vec<(f64, String)>,
+    /// Both axes in one scale, as on a map.
+    pub map: bool,
 }
 
 impl Picture {
     /// As SVG; empty if there is nothing to draw.
     pub fn svg(&self) -> String {
-        let mut text = String::new();
-        match self.draw(&mut text) {
-            Ok(()) => text,
-            Err(_) => String::new(),
-        }
+        stacked(std::slice::from_ref(self))
     }
 
-    fn draw(&self, text: &mut String) -> Result<(), Box<dyn std::error::Error>> {
-        let area = SVGBackend::with_string(text, SIZE_PX).into_drawing_area();
-        area.fill(&WHITE)?;
+    /// Width and height, px.
+    fn size(&self) -> (u32, u32) {
+        if self.map { MAP_PX } else { SIZE_PX }
+    }
+
+    fn draw(&self, area: &Area<'_>) -> Result<(), Box<dyn std::error::Error>> {
         let points = || self.curves.iter().flat_map(|curve| &curve.points);
-        let xs = span(points().map(|(x, _)| *x), 0.0, 0.0);
-        let ys = span(points().map(|(_, y)| *y), 0.05, LEGEND);
-        let mut chart = ChartBuilder::on(&area)
+        let mut xs = span(points().map(|(x, _)| *x), 0.0);
+        let mut ys = span(points().map(|(_, y)| *y), 0.05);
+        if self.map {
+            let inner = [MAP_PX.0 - SIDES_PX.0, MAP_PX.1 - SIDES_PX.1].map(f64::from);
+            let scale = ((xs.end - xs.start) / inner[0]).max((ys.end - ys.start) / inner[1]);
+            (xs, ys) = (about(&xs, scale * inner[0]), about(&ys, scale * inner[1]));
+        }
+        let mut chart = ChartBuilder::on(area)
             .margin(10)
+            .margin_right(LEGEND_PX.0)
             .caption(&self.title, ("sans-serif", 16))
             .x_label_area_size(38)
             .y_label_area_size(64)
@@ -89,30 +102,48 @@ impl Picture {
             chart.draw_series([Text::new(name.clone(), (*at, ys.start), style)])?;
         }
         let mut colours = COLOURS.iter().cycle();
-        for curve in &self.curves {
+        for (curve, line) in self.curves.iter().zip(1..) {
+            let y = 30 + line * LEGEND_PX.1;
             let colour =
                 if curve.measured { BLACK } else { *colours.next().unwrap_or(&COLOURS[0]) };
             let style = colour.stroke_width(if curve.measured { 2 } else { 1 });
             let finite = curve.points.iter().copied().filter(|(x, y)| (x + y).is_finite());
-            chart
-                .draw_series([PathElement::new(finite.collect::<Vec<_>>(), style)])?
-                .label(&curve.name)
-                .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], style));
+            chart.draw_series([PathElement::new(finite.collect::<Vec<_>>(), style)])?;
+            let at = (self.size().0.cast_signed() - LEGEND_PX.0.cast_signed() + 12, y);
+            area.draw(&PathElement::new([at, (at.0 + 18, y)], style))?;
+            area.draw(&Text::new(curve.name.clone(), (at.0 + 24, y - 6), ("sans-serif", 12)))?;
         }
-        chart
-            .configure_series_labels()
-            .position(SeriesLabelPosition::UpperRight)
-            .background_style(WHITE.mix(0.85))
-            .border_style(BLACK.mix(0.3))
-            .label_font(("sans-serif", 12))
-            .draw()?;
-        area.present()?;
         Ok(())
     }
 }
 
-/// From the smallest to the largest finite value with a margin below and above, as parts of the range; never empty.
-fn span(values: impl Iterator<Item = f64>, below: f64, above: f64) -> std::ops::Range<f64> {
+type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
+
+/// One SVG of these pictures below each other; empty if there is nothing to draw.
+pub fn stacked(pictures: &[Picture]) -> String {
+    let mut text = String::new();
+    match draw_all(&mut text, pictures) {
+        Ok(()) => text,
+        Err(_) => String::new(),
+    }
+}
+
+fn draw_all(text: &mut String, pictures: &[Picture]) -> Result<(), Box<dyn std::error::Error>> {
+    let width = pictures.iter().map(|picture| picture.size().0).max().unwrap_or(SIZE_PX.0);
+    let height = pictures.iter().map(|picture| picture.size().1).sum();
+    let mut rest = SVGBackend::with_string(text, (width, height)).into_drawing_area();
+    rest.fill(&WHITE)?;
+    for picture in pictures {
+        let (part, below) = rest.split_vertically(picture.size().1);
+        picture.draw(&part)?;
+        rest = below;
+    }
+    rest.present()?;
+    Ok(())
+}
+
+/// From the smallest to the largest finite value with a margin on both sides, as a part of the range; never empty.
+fn span(values: impl Iterator<Item = f64>, margin: f64) -> std::ops::Range<f64> {
     let (low, high) = values
         .filter(|v| v.is_finite())
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
@@ -120,7 +151,13 @@ fn span(values: impl Iterator<Item = f64>, below: f64, above: f64) -> std::ops::
         return 0.0..1.0;
     }
     let size = (high - low).max(1e-9);
-    low - below * size..high + above * size
+    low - margin * size..high + margin * size
+}
+
+/// A range of `size` with the same middle.
+fn about(range: &std::ops::Range<f64>, size: f64) -> std::ops::Range<f64> {
+    let middle = f64::midpoint(range.start, range.end);
+    middle - size / 2.0..middle + size / 2.0
 }
 
 #[cfg(test)]
@@ -140,12 +177,15 @@ mod tests {
             y: "N".into(),
             curves: vec![curve("measured", 1.0), curve("forecast", 2.0)],
             marks: vec![(2.0, "reset".into())],
+            map: false,
         };
         let svg = picture.svg();
+        let both = stacked(&[picture.clone(), picture]);
+        assert_eq!(both.matches("a title").count(), 2);
         for word in ["a title", "t, s", "measured", "forecast", "reset"] {
             assert!(svg.contains(word), "{word}");
         }
         assert!(svg.starts_with("<svg") && !svg.contains("NaN"));
-        assert_eq!(span([f64::NAN].into_iter(), 0.0, 0.0), 0.0..1.0);
+        assert_eq!(span([f64::NAN].into_iter(), 0.0), 0.0..1.0);
     }
 }

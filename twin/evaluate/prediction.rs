@@ -6,7 +6,9 @@ use serde::Serialize;
 
 use super::entrants::{Candidate, Paper};
 use super::replay::{Replayed, replay};
+use super::score::Horizon;
 use super::series::{Series, Statistics};
+use super::sheet::{Sheet, figure};
 use crate::residual::HORIZON;
 
 /// One line.
@@ -44,16 +46,17 @@ pub struct Spread {
     pub rmse_z_last: [f64; 2],
 }
 
-/// Of every name that stands over more than one row, in their order.
+/// Of every model of one size that stands over more than one row, in their order.
 pub fn spreads(rows: &[Row]) -> Vec<Spread> {
-    let mut names: Vec<&str> = Vec::new();
+    let kind = |row: &Row| (row.name.clone(), row.parameters);
+    let mut kinds = Vec::new();
     for row in rows {
-        if !names.contains(&row.name.as_str()) {
-            names.push(&row.name);
+        if !kinds.contains(&kind(row)) {
+            kinds.push(kind(row));
         }
     }
-    let of = |name: &str| -> Option<Spread> {
-        let same: Vec<&Row> = rows.iter().filter(|row| row.name == name).collect();
+    let of = |one: (String, Option<usize>)| -> Option<Spread> {
+        let same: Vec<&Row> = rows.iter().filter(|row| kind(row) == one).collect();
         let over = |value: fn(&Replayed) -> f64| {
             let n = same.len() as f64;
             let values = || same.iter().map(|row| value(&row.replayed));
@@ -62,14 +65,14 @@ pub fn spreads(rows: &[Row]) -> Vec<Spread> {
             [mean, (squares / (n - 1.0)).sqrt()]
         };
         (same.len() > 1).then(|| Spread {
-            name: name.to_owned(),
+            name: one.0,
             trainings: same.len(),
             rmse_z: over(|r| r.horizons[0].rmse_z),
             r2: over(|r| r.horizons[0].r2),
             rmse_z_last: over(|r| r.horizons[HORIZON].rmse_z),
         })
     };
-    names.into_iter().filter_map(of).collect()
+    kinds.into_iter().filter_map(of).collect()
 }
 
 /// The table with what it was made from.
@@ -97,6 +100,47 @@ pub struct PredictionTable {
     pub spreads: Vec<Spread>,
 }
 
+impl PredictionTable {
+    /// The table as cells, every horizon in it.
+    pub fn sheet(&self) -> Sheet {
+        let head = ["row", "label", "parameters", "weights", "trained on"];
+        let horizons = ["RMSE z", "R²", "RMSE N", "RMSE N m"]
+            .iter()
+            .flat_map(|what| (0..=HORIZON).map(move |j| format!("{what}, j = {j}")));
+        let tail = ["leverage", "resets", "ms p50", "ms p99", "paper RMSE", "paper R²", "paper ms"];
+        let own = |words: &[&str]| words.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>();
+        let mut sheet = Sheet::new(own(&head).into_iter().chain(horizons).chain(own(&tail)));
+        sheet.rows.extend(self.rows.iter().map(Row::cells));
+        sheet
+    }
+}
+
+impl Row {
+    fn cells(&self) -> Vec<String> {
+        let r = &self.replayed;
+        let known = |text: &Option<String>| text.clone().unwrap_or_default();
+        let mut cells = vec![
+            self.name.clone(),
+            self.label.clone(),
+            self.parameters.map_or_else(String::new, |n| n.to_string()),
+            self.weights.as_ref().map_or_else(String::new, |file| file.display().to_string()),
+            known(&self.trained_on),
+        ];
+        for of in [
+            |h: &Horizon| h.rmse_z,
+            |h: &Horizon| h.r2,
+            |h: &Horizon| h.rmse_n,
+            |h: &Horizon| h.rmse_n_m,
+        ] {
+            cells.extend(r.horizons.iter().map(|h| figure(Some(of(h)), 4)));
+        }
+        cells.extend([figure(Some(r.leverage), 3), r.resets.to_string()]);
+        cells.extend([r.inference_ms_p50, r.inference_ms_p99].map(|ms| figure(Some(ms), 3)));
+        cells.extend((0..3).map(|i| figure(self.paper.map(|paper| paper[i]), 3)));
+        cells
+    }
+}
+
 /// Replays `series` through the candidates, one after the other, so that their times can be compared; `done` is told the name of
 /// each as it ends.
 pub fn rows(
@@ -113,4 +157,50 @@ pub fn rows(
         rows.push(Row { name, label, parameters, trained_on, weights, paper, replayed });
     }
     rows
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::notation::Coords;
+
+    fn row(parameters: usize, rmse_z: f64) -> Row {
+        let horizon = |j| Horizon {
+            j,
+            rmse_z,
+            r2: 1.0 - rmse_z,
+            rmse_n: 0.0,
+            rmse_n_m: 0.0,
+            rmse_rows: Coords::zeros(),
+            samples: 1,
+        };
+        Row {
+            name: "fdt".to_owned(),
+            label: "FDT".to_owned(),
+            parameters: Some(parameters),
+            trained_on: None,
+            weights: None,
+            paper: None,
+            replayed: Replayed {
+                horizons: (0..=HORIZON).map(horizon).collect(),
+                innovation_norm_mean: 0.0,
+                innovation_mean_q999: 0.0,
+                leverage: 0.0,
+                resets: 0,
+                inference_ms_p50: 0.0,
+                inference_ms_p99: 0.0,
+                traces: Vec::new(),
+            },
+        }
+    }
+
+    #[test]
+    fn the_spread_is_over_trainings_of_one_size_alone() {
+        let found = spreads(&[row(10, 0.1), row(99, 0.9), row(10, 0.3)]);
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert_eq!(found[0].trainings, 2);
+        // Mean and n - 1 deviation of 0.1 and 0.3, within rounding.
+        let [mean, deviation] = found[0].rmse_z;
+        assert!((mean - 0.2).abs() < 1e-12 && (deviation - 0.02_f64.sqrt()).abs() < 1e-12);
+    }
 }

@@ -18,6 +18,7 @@ fn folder() -> PathBuf {
 fn record(path: &Path, ticks: &[Tick], inertia: f64) {
     let m_bar = vec![inertia.to_string(); 8].join(",");
     let info = RecordingInfo {
+        mirrored: false,
         scenario: "unit".to_owned(),
         scenario_toml: String::new(),
         seed: 7,

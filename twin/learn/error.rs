@@ -112,6 +112,9 @@ pub enum LearnError {
         /// The learning rate.
         learning_rate: f64,
     },
+    /// The device that `--device` asks for.
+    #[error("--device: {0}")]
+    Device(String),
     /// The picture of the learning curve.
     #[error("the learning curve cannot be drawn: {0}")]
     Picture(String),

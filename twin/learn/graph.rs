@@ -8,6 +8,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use burn_tensor::activation::{gelu, softmax};
 use burn_tensor::{Device, Gradients, Tensor, TensorData};
 
+use super::device::device;
 use super::parameters::Parameters;
 
 /// Added to the variance of a layer normalisation.
@@ -18,11 +19,6 @@ static ONE_THREAD: Mutex<()> = Mutex::new(());
 /// The right to compute with burn; given back when dropped.
 pub fn exclusive() -> MutexGuard<'static, ()> {
     ONE_THREAD.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// The device for gradients (`tracked`) or for evaluation alone.
-pub fn device(tracked: bool) -> Device {
-    if tracked { Device::flex().autodiff() } else { Device::flex() }
 }
 
 /// A model's parameters as tensors of one step.

@@ -18,6 +18,8 @@ pub mod windows;
 #[cfg(feature = "train")]
 pub mod baselines;
 #[cfg(feature = "train")]
+pub mod device;
+#[cfg(feature = "train")]
 pub mod fdt;
 #[cfg(feature = "train")]
 pub mod graph;

@@ -7,7 +7,8 @@ use burn_tensor::{Tensor, TensorData};
 
 use super::checkpoint::{Checkpoint, path_for};
 use super::config::{ModelKind, TrainConfig};
-use super::graph::{Leaves, device, exclusive, values};
+use super::device::device;
+use super::graph::{Leaves, exclusive, values};
 use super::made::{dataset, tiny};
 use super::parameters::Parameters;
 use super::train::{Outcome, Progress, Request, network, train};

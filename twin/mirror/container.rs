@@ -96,6 +96,9 @@ pub fn read(
         match next(input, &mut record)? {
             Next::Record => {
                 if !take(&record, offset, &mut findings, on) {
+                    if record[0] == DATA_END {
+                        unused(input, &mut record, on);
+                    }
                     return Ok(findings);
                 }
             }
@@ -160,7 +163,7 @@ fn take(
 ) -> bool {
     let (opcode, body) = (record[0], &record[HEAD_BYTES..]);
     match opcode {
-        // What follows is an index of what was read.
+        // What follows is an index of what was read, and what was never used.
         DATA_END | FOOTER => {
             findings.complete = true;
             false
@@ -181,6 +184,17 @@ fn take(
                 }
             }
             true
+        }
+    }
+}
+
+/// Schemas and channels of the summary: those without a message stand nowhere else. Damage ends it, and loses nothing that was measured.
+fn unused(input: &mut impl Read, record: &mut Vec<u8>, on: &mut dyn FnMut(Record<'_>)) {
+    while let Ok(Next::Record) = next(input, record) {
+        match mcap::parse_record(record[0], &record[HEAD_BYTES..]) {
+            Ok(Record::Footer(_)) | Err(_) => return,
+            Ok(defined @ (Record::Schema { .. } | Record::Channel(_))) => on(defined),
+            Ok(_) => {}
         }
     }
 }

@@ -11,6 +11,7 @@ use mcap::records::Record;
 
 use super::cdr;
 use super::container::{self, ContainerError};
+use super::protobuf::Descriptor;
 use super::schema::Layout;
 use super::topics::{Fields, Map, Quantity, Rule, TimeSource};
 use super::ulog;
@@ -93,6 +94,7 @@ pub fn gather_from(input: &mut impl Read, map: &Map) -> Result<Gathered, Contain
 enum Form {
     Cdr(Layout),
     Ulog(Layout),
+    Protobuf(Descriptor),
     Json,
 }
 
@@ -183,19 +185,29 @@ impl<M: Deref<Target = Map>> Collector<M> {
             ("ros2msg", "cdr") => {
                 Layout::parse(name, &String::from_utf8_lossy(text)).map(Form::Cdr)
             }
+            ("ros2idl", "cdr") => {
+                Layout::parse_idl(name, &String::from_utf8_lossy(text)).map(Form::Cdr)
+            }
             (ulog::ENCODING, _) => {
                 Layout::parse_ulog(&String::from_utf8_lossy(text)).map(Form::Ulog)
             }
+            ("protobuf", "protobuf") => Descriptor::parse(name, text).map(Form::Protobuf),
             (_, "json") => Ok(Form::Json),
             (schema, message) => Err(format!(
-                "schema encoding {schema:?} with message encoding {message:?} is not read; read are ros2msg with cdr, and json"
+                "schema encoding {schema:?} with message encoding {message:?} is not read; read are ros2msg and ros2idl with cdr, protobuf, and json"
             )),
         };
         match form.and_then(|form| Channel::new(form, channel, name, (rank, rule))) {
             Ok(opened) => {
                 self.channels.insert(channel.id, opened);
             }
-            Err(why) => self.notes.push(format!("{}: {why}", channel.topic)),
+            Err(why) => {
+                // The summary of a file names its channels again.
+                let note = format!("{}: {why}", channel.topic);
+                if !self.notes.contains(&note) {
+                    self.notes.push(note);
+                }
+            }
         }
     }
 
@@ -260,6 +272,7 @@ impl Channel {
         let value = match &self.form {
             Form::Cdr(layout) => cdr::decode(layout, data),
             Form::Ulog(layout) => cdr::decode_packed(layout, data),
+            Form::Protobuf(descriptor) => descriptor.decode(data),
             Form::Json => serde_json::from_slice::<serde_json::Value>(data)
                 .map(Value::from)
                 .map_err(|error| error.to_string()),
@@ -288,9 +301,10 @@ fn stamp(value: &Value, (is_stamp, path): &(bool, Path)) -> Option<i64> {
     let ns = if *is_stamp {
         let stamp = value.at(path)?;
         let part = |name: &str| stamp.number(&Path::parse(name).ok()?);
-        (part("sec")? as i64)
-            .checked_mul(1_000_000_000)?
-            .checked_add(part("nanosec").or_else(|| part("nsec"))? as i64)?
+        // ROS 2, JSON of Foxglove and ROS 1, protobuf.
+        (part("sec").or_else(|| part("seconds"))? as i64).checked_mul(1_000_000_000)?.checked_add(
+            part("nanosec").or_else(|| part("nsec")).or_else(|| part("nanos"))? as i64,
+        )?
     } else {
         (value.number(path)? as i64).checked_mul(1000)?
     };

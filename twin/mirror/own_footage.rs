@@ -10,8 +10,8 @@ use super::film::Footage;
 use super::index::Index;
 use super::lossless;
 use super::recorded::{Instant, MOST_TICKS, RecordedFlight};
-use super::recording::{MEASUREMENT_TOPIC, METADATA_END, METADATA_START, TICK_TOPIC};
-use super::replayed::{as_recorded, joint_names, nominal_inertia};
+use super::recording::{MEASUREMENT_TOPIC, METADATA_END, METADATA_START, MIRRORED, TICK_TOPIC};
+use super::replayed::{as_recorded, instant, joint_names, nominal_inertia};
 use super::stretches::{STRETCH_S, STRETCHES};
 use crate::notation::{Coords, TICK_S};
 use crate::tick::{Measurement, Tick};
@@ -27,6 +27,8 @@ pub(super) struct OwnFootage {
     before: Vec<usize>,
     nominal_inertia: Option<Coords>,
     joint_names: Vec<String>,
+    /// Of a foreign flight in shadow: what is not a number is unknown.
+    mirrored: bool,
     troubles: Mutex<(Vec<String>, BTreeSet<usize>)>,
 }
 
@@ -56,8 +58,18 @@ impl OwnFootage {
         };
         let nominal_inertia = told("gains").and_then(nominal_inertia);
         let joint_names = joint_names(told("joints"));
+        let mirrored = told(MIRRORED).is_some();
         let troubles = Mutex::default();
-        Some(Self { index, channel, whole_ticks, before, nominal_inertia, joint_names, troubles })
+        Some(Self {
+            index,
+            channel,
+            whole_ticks,
+            before,
+            nominal_inertia,
+            joint_names,
+            mirrored,
+            troubles,
+        })
     }
 
     /// The container and its problems.
@@ -134,7 +146,9 @@ impl Footage for OwnFootage {
             last_s
         };
         let times_s = found.iter().map(time_s).collect();
-        let instants = found.iter().map(|m| m.as_ref().map(Instant::from).unwrap_or_default());
+        let instants = found
+            .iter()
+            .map(|m| m.as_ref().map_or_else(Instant::default, |m| instant(m, self.mirrored)));
         self.as_recorded(times_s, instants.collect())
     }
 

@@ -79,7 +79,7 @@ pub enum Derivation {
 
 impl Derivation {
     /// How often the acceleration and the force of the same rows pass `H`.
-    fn passes(self) -> usize {
+    pub fn passes(self) -> usize {
         if self == Self::Pose { 2 } else { 1 }
     }
 }

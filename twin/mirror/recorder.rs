@@ -11,7 +11,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use crate::mirror::recording::RecordingError;
+use crate::mirror::recording::{MIRRORED, RecordingError};
 use crate::mirror::scene::Scene;
 use crate::mirror::track::TrackWriter;
 use crate::tick::Tick;
@@ -48,6 +48,8 @@ pub struct RecordingInfo {
     pub scene: Scene,
     /// URDF names of the arm joints, `q1` first.
     pub joint_names: Vec<String>,
+    /// A foreign flight in shadow: what is not a number in its ticks is unknown, not a fault.
+    pub mirrored: bool,
 }
 
 /// What is known at the end of a flight only.
@@ -205,7 +207,8 @@ fn now() -> Instant {
 impl RecordingInfo {
     /// The metadata written at the start.
     pub(super) fn metadata(&self) -> BTreeMap<String, String> {
-        [
+        let mirrored = self.mirrored.then(|| (MIRRORED.to_owned(), "true".to_owned()));
+        let said = [
             ("scenario", self.scenario.clone()),
             ("seed", self.seed.to_string()),
             ("gains", self.gains_json.clone()),
@@ -216,7 +219,7 @@ impl RecordingInfo {
             ("kernel", self.kernel.clone()),
             ("joints", serde_json::json!(self.joint_names).to_string()),
         ]
-        .map(|(key, value)| (key.to_owned(), value))
-        .into()
+        .map(|(key, value)| (key.to_owned(), value));
+        said.into_iter().chain(mirrored).collect()
     }
 }

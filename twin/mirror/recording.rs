@@ -21,6 +21,9 @@ pub const METADATA_START: &str = "twin";
 /// Name of the metadata record written when the flight ends; absent from a run that was killed.
 pub const METADATA_END: &str = "twin.end";
 
+/// Key of the metadata of a foreign flight in shadow: its unknown numbers are written as `null`.
+pub(super) const MIRRORED: &str = "mirrored";
+
 /// Longest record and chunk that is read: a hundred times what the recorder writes.
 const LONGEST_RECORD_BYTES: usize = 256 << 20;
 
@@ -91,6 +94,13 @@ pub struct Recording {
     pub attachments: BTreeMap<String, Vec<u8>>,
     /// The file is cut off or damaged: what was read, and what is missing.
     pub warning: Option<String>,
+}
+
+impl Recording {
+    /// It is of a foreign flight in shadow: what is not a number is unknown.
+    pub fn is_mirrored(&self) -> bool {
+        self.metadata.contains_key(MIRRORED)
+    }
 }
 
 /// Reads the ticks of a recording; a cut-off file is read to its last whole chunk, with a warning in the log.
@@ -250,6 +260,7 @@ mod tests {
             urdf: "<robot name=\"r\"/>".to_owned(),
             scene: fixture::scene(),
             joint_names: vec!["joint1".to_owned(), "joint2".to_owned()],
+            mirrored: false,
         }
     }
 

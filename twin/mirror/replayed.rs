@@ -17,7 +17,7 @@ pub(super) fn replayed(path: &Path) -> Result<RecordedFlight, RecordingError> {
     let measured = || recording.ticks.iter().map(|tick| &tick.measurement);
     Ok(as_recorded(
         measured().map(|m| m.t_s).collect(),
-        measured().map(Instant::from).collect(),
+        measured().map(|m| instant(m, recording.is_mirrored())).collect(),
         recorded_nominal_inertia(&recording),
         joint_names(recording.metadata.get("joints").map(String::as_str)),
     ))
@@ -53,6 +53,18 @@ impl From<&Measurement> for Instant {
             tau: all(&measurement.tau_applied),
         }
     }
+}
+
+/// The tick that was measured; of a `mirrored` flight what is not a number is unknown.
+pub(super) fn instant(measurement: &Measurement, mirrored: bool) -> Instant {
+    let mut instant = Instant::from(measurement);
+    if mirrored {
+        let Instant { chi, chi_dot, chi_ddot, tau } = &mut instant;
+        for values in [chi, chi_dot, chi_ddot, tau] {
+            values.iter_mut().for_each(|value| *value = value.filter(|v| v.is_finite()));
+        }
+    }
+    instant
 }
 
 /// The arm's joints by the names of the URDF, as the metadata `joints` tells them; recordings that do not tell them have them by

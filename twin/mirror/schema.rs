@@ -119,6 +119,14 @@ impl Layout {
         Ok(layout)
     }
 
+    /// The same of a definition in IDL (`ros2idl`).
+    ///
+    /// # Errors
+    /// As [`Self::parse`].
+    pub fn parse_idl(name: &str, text: &str) -> Result<Self, String> {
+        Self::parse(name, &super::idl::as_ros2msg(name, text)?)
+    }
+
     /// Reads definitions as a ULog has them, `name:type field;type[3] field;…` on a line each, the message's own first.
     ///
     /// # Errors

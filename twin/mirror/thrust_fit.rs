@@ -12,6 +12,10 @@ use crate::notation::TICK_S;
 /// Longest lag that is tried, ticks.
 const LONGEST_LAG_TICKS: usize = 25;
 
+/// Lags whose errors differ by less than this share of the squared force say the same (a constant thrust fits at any lag): the
+/// shortest is taken, so that a part of a flight and all of it take the same.
+const SAME_SHARE: f64 = 1e-7;
+
 /// Ticks of a jackknife block.
 const BLOCK_TICKS: usize = 200;
 
@@ -83,7 +87,9 @@ pub(super) fn fit(
 ) -> Result<ThrustFit, String> {
     let high = high(thrust);
     if high < least {
-        return Err(format!("the thrust stays below {high:.3}: the vehicle is not flying"));
+        return Err(format!(
+            "the thrust stays below {high:.1e} of its range: the vehicle is not flying"
+        ));
     }
     let candidates = (0..=LONGEST_LAG_TICKS).map(|lag| {
         let lag_s = lag as f64 * TICK_S;
@@ -91,8 +97,14 @@ pub(super) fn fit(
         let pairs = pairs(&input, specific_force, high * AIRBORNE_SHARE);
         (lag_s, pairs)
     });
-    let (lag_s, pairs) = candidates
-        .min_by(|a, b| mean_square(&a.1).total_cmp(&mean_square(&b.1)))
+    let scored: Vec<_> =
+        candidates.map(|(lag_s, pairs)| (mean_square(&pairs), lag_s, pairs)).collect();
+    let least = scored.iter().map(|(error, ..)| *error).fold(f64::MAX, f64::min);
+    let forces: Vec<f64> = specific_force.iter().flatten().copied().collect();
+    let square = forces.iter().map(|y| y * y).sum::<f64>() / forces.len().max(1) as f64;
+    let (_, lag_s, pairs) = scored
+        .into_iter()
+        .find(|(error, ..)| *error <= least + SAME_SHARE * square)
         .ok_or("no lag to try")?;
     if pairs.len() < FEWEST_TICKS {
         return Err(format!("only {} ticks in the air with a known acceleration", pairs.len()));
@@ -176,6 +188,16 @@ mod tests {
         assert!((found.lag_s - lag_s).abs() < 1e-9, "{found:?}");
         assert!((found.gain - gain).abs() < 4.0 * found.standard_error.max(0.005), "{found:?}");
         assert!(found.standard_error < 0.05 && found.r2 > 0.9, "{found:?}");
+    }
+
+    #[test]
+    fn a_constant_thrust_that_any_lag_fits_has_none() {
+        let times: Vec<f64> = (0..3000).map(|i| f64::from(i) * TICK_S).collect();
+        let thrust = Series::new(times.iter().map(|t| (*t, Vector1::new(0.5))));
+        // What rounding leaves: least at a lag that means nothing.
+        let force: Vec<Option<f64>> =
+            times.iter().map(|t| Some(9.81 + 1e-5 * (7.0 * t).sin())).collect();
+        assert_eq!(fit(&thrust, &times, &force, 1, 0.05).unwrap().lag_s.to_bits(), 0);
     }
 
     #[test]

@@ -34,6 +34,9 @@ pub(crate) fn transforms_at(
         .moving()
         .zip(poses)
         .filter_map(|(body, pose)| Some((body, pose?)))
+        .filter(|(_, pose)| {
+            pose.position.iter().chain(&pose.quaternion_wxyz).all(|v| v.is_finite())
+        })
         .map(|(body, pose)| FrameTransform {
             timestamp: Some(timestamp(t_s)),
             parent_frame_id: WORLD.to_owned(),
@@ -48,8 +51,8 @@ pub(crate) fn transforms_at(
 /// Arm joints with their measured angles and rates and the torque asked of them.
 pub(super) fn joint_states(names: &[String], tick: &Tick) -> JointStates {
     let joints = [0, 1].map(|index| Joint {
-        position_rad: Some(tick.measurement.chi[6 + index]),
-        velocity_rad_s: Some(tick.measurement.chi_dot[6 + index]),
+        position_rad: Some(tick.measurement.chi[6 + index]).filter(|v| v.is_finite()),
+        velocity_rad_s: Some(tick.measurement.chi_dot[6 + index]).filter(|v| v.is_finite()),
         torque_n_m: Some(tick.actuators.joint_torque_n_m[index]),
     });
     joint_states_at(names, tick.measurement.t_s, joints)

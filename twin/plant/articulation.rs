@@ -321,7 +321,11 @@ impl Articulation {
 }
 
 /// Mass, centre of mass and tensor of several links in the frame of their body.
-fn lumped_inertial(robot: &Robot, links: &[usize], places: &[(usize, Isometry3<f64>)]) -> Inertial {
+pub(super) fn lumped_inertial(
+    robot: &Robot,
+    links: &[usize],
+    places: &[(usize, Isometry3<f64>)],
+) -> Inertial {
     let parts = links.iter().map(|&link| (&robot.links[link].inertial, places[link].1));
     let mass_kg: f64 = parts.clone().map(|(inertial, _)| inertial.mass_kg).sum();
     let moment = parts.clone().fold(Vector3::zeros(), |sum, (inertial, place)| {
@@ -338,7 +342,7 @@ fn lumped_inertial(robot: &Robot, links: &[usize], places: &[(usize, Isometry3<f
     Inertial { mass_kg, com_in_link, inertia_in_link }
 }
 
-fn mass_properties(inertial: &Inertial) -> MassProperties {
+pub(super) fn mass_properties(inertial: &Inertial) -> MassProperties {
     let i = inertial.inertia_in_link;
     let column = |k: usize| to_vector(&i.column(k).into_owned());
     MassProperties::with_inertia_matrix(

@@ -9,6 +9,7 @@ pub mod articulation;
 mod convert;
 mod estimator;
 mod failures;
+mod free;
 mod gripper;
 mod rotors;
 mod sensors;
@@ -19,6 +20,7 @@ pub mod vehicle;
 mod wind;
 
 pub use articulation::Articulation;
+pub use free::{FreeBody, Motion, Wrench, locked};
 pub use settings::{
     AeroSettings, ArenaObject, ArenaSettings, ContactSettings, GripperSettings, PayloadSettings,
     PlantSettings, RotorSettings, SensorSettings, VehicleSettings, WindKind, WindSettings,

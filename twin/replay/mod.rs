@@ -17,7 +17,7 @@ use serde::Serialize;
 use crate::mirror::scene::Scene;
 use crate::mirror::{Recording, RecordingError, read_recording};
 use crate::notation::TICK_S;
-use crate::residual::HORIZON;
+use crate::residual::{HORIZON, PredictorInfo};
 use crate::scenario::{ActuatorLimits, Assessor, Report, Scenario, Settings};
 use crate::server::channels::Channels;
 use crate::server::protocol::{
@@ -114,13 +114,20 @@ pub fn page(recording: &Recording, report: Option<&Report>) -> Result<(String, f
     let gains = recording.metadata.get("gains").map(String::as_bytes);
     let tuning: Tuning = json_part(gains, "gains")?;
     let limits = recording.metadata.get("actuator_limits").map(String::as_bytes);
-    let limits: ActuatorLimits = json_part(limits, "actuator_limits")?;
-    let scenario = scenario(recording)?;
-    let report = report.cloned().or_else(|| judged(&scenario, &recording.ticks));
+    let mirrored = recording.is_mirrored();
+    let scenario = if mirrored { of_recording(recording)? } else { scenario(recording)? };
+    // A flight of others has nothing to keep.
+    let judged = || (!mirrored).then(|| judged(&scenario, &recording.ticks)).flatten();
+    let report = report.cloned().or_else(judged);
     // Recordings made before predictors said anything had one without a network.
     let predictor = recording.metadata.get("predictor").map(String::as_str).unwrap_or_default();
-    let predictor = serde_json::from_str(predictor).unwrap_or_default();
-    let channels = Channels::new(scene.rotors.len(), &limits, &predictor);
+    let predictor: PredictorInfo = serde_json::from_str(predictor).unwrap_or_default();
+    let channels = if mirrored {
+        Channels::mirrored(scene.rotors.len(), &predictor.scale)
+    } else {
+        let limits: ActuatorLimits = json_part(limits, "actuator_limits")?;
+        Channels::new(scene.rotors.len(), &limits, &predictor)
+    };
     let flown = frames::frames(&scene, &channels, &tuning, &recording.ticks);
     let head = head(recording, &scenario, report, scene, &channels);
     let opens_at_s = head.opens_at_s;
@@ -136,6 +143,13 @@ fn json_part<T: serde::de::DeserializeOwned>(
     let bytes = bytes.ok_or(ReplayError::Part { part, why: "it is missing".to_owned() })?;
     serde_json::from_slice(bytes.as_ref())
         .map_err(|error| ReplayError::Part { part, why: error.to_string() })
+}
+
+/// Of a foreign flight: nothing but its name is known.
+fn of_recording(recording: &Recording) -> Result<Scenario, ReplayError> {
+    let name = recording.metadata.get("scenario").cloned().unwrap_or_default();
+    Scenario::of_recording(&name, &PathBuf::from(&name))
+        .map_err(|error| ReplayError::Part { part: "scenario", why: error.to_string() })
 }
 
 /// The scenario as it was flown, every default and override resolved.
@@ -167,7 +181,10 @@ fn head(
     channels: &Channels,
 ) -> Head {
     let said = |key: &str| recording.metadata.get(key).cloned().unwrap_or_default();
-    let cut = || ("unfinished".to_owned(), "the recording has no end".to_owned());
+    let cut = || match recording.metadata.get("verdict") {
+        Some(verdict) if recording.is_mirrored() => (verdict.clone(), String::new()),
+        _ => ("unfinished".to_owned(), "the recording has no end".to_owned()),
+    };
     let (verdict, reason) =
         report.as_ref().map_or_else(cut, |r| (r.verdict.to_string(), r.reason.clone()));
     let mut failures: Vec<Failure> = report.iter().flat_map(|r| &r.broken).map(failure).collect();
@@ -217,6 +234,7 @@ fn hello(
         payload_kg: (settings.payload.mass_kg > 0.0).then_some(settings.payload.mass_kg),
         wind_m_s: settings.wind.velocity_m_s,
         effects_off: Vec::new(),
+        twin: None,
     };
     Hello {
         protocol: PROTOCOL_VERSION,

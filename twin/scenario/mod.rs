@@ -5,6 +5,8 @@ mod assemble;
 pub mod cache;
 pub mod checks;
 pub mod collect;
+pub mod divergence;
+mod divergence_report;
 mod document;
 mod failures;
 pub mod file;
@@ -27,6 +29,8 @@ pub mod verdict;
 use std::path::{Path, PathBuf};
 
 pub use checks::Broken;
+pub use divergence::{Flyer, Miss, Shot, Twin};
+pub use divergence_report::{Light, Report as DivergenceReport};
 pub use file::ScenarioError;
 pub use json_schema::json_schema;
 pub use parallel::side_by_side;
@@ -199,6 +203,7 @@ impl Scenario {
             }
         };
         Ok(RecordingInfo {
+            mirrored: false,
             scenario: self.name.clone(),
             scenario_toml: toml::to_string(&self.settings)
                 .map_err(|e| unwritable("scenario")(&e))?,

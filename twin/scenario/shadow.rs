@@ -326,6 +326,25 @@ impl Task for Watch {
     }
 }
 
+/// `tick` with everything that is not known there as NaN, which a recording keeps as `null`; `known` is per row of the coordinates
+/// and of the residual.
+pub fn masked(tick: &Tick, (coordinates, residuals): ([bool; N], [bool; N])) -> Tick {
+    let mut tick = tick.clone();
+    let hide = |values: &mut Coords, known: &[bool; N]| {
+        (0..N).filter(|row| !known[*row]).for_each(|row| values[row] = f64::NAN);
+    };
+    let Tick { measurement, reference, control, adapted, forecast, setpoint, residual, .. } =
+        &mut tick;
+    let moved = [&mut measurement.chi, &mut measurement.chi_dot, &mut reference.chi_des];
+    let compared = [&mut reference.chi_des_dot, &mut control.error];
+    moved.into_iter().chain(compared).for_each(|values| hide(values, &coordinates));
+    let forces = [&mut measurement.chi_ddot, &mut measurement.tau_applied, residual];
+    let learned = [&mut adapted.r_hat, &mut adapted.r_hat_prior, &mut adapted.innovation];
+    let all = forces.into_iter().chain(learned).chain([&mut setpoint.r_hat]);
+    all.chain(&mut forecast.base).for_each(|values| hide(values, &residuals));
+    tick
+}
+
 /// Unit of a row's residual.
 pub(super) fn unit(row: usize) -> &'static str {
     if matches!(ROWS[row], "x" | "y" | "z") { "N" } else { "N m" }

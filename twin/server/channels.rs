@@ -5,6 +5,7 @@ use std::sync::Arc;
 use crate::notation::{Coords, MAX_ROTORS, ROWS, position};
 use crate::residual::PredictorInfo;
 use crate::scenario::ActuatorLimits;
+use crate::server::mirrored::NOT_IN_FORCE;
 use crate::server::protocol::ChannelInfo;
 use crate::tick::{Adapted, Forecast, Tick};
 use crate::tuning::Tuning;
@@ -52,11 +53,12 @@ impl Channels {
         };
         let predictor = PredictorInfo { scale: *scale, ..PredictorInfo::default() };
         let mut channels = Self::new(rotors, &limits, &predictor);
-        for info in Arc::make_mut(&mut channels.infos) {
+        for (info, take) in Arc::make_mut(&mut channels.infos).iter_mut().zip(&mut channels.takes) {
             info.limits = None;
-            for (from, to) in [("desired", "expected"), ("error", "divergence")] {
-                info.label = info.label.replace(from, to);
+            if NOT_IN_FORCE.contains(&info.group.as_str()) {
+                *take = Box::new(|_| f64::NAN);
             }
+            info.label = info.label.replace("desired", "expected").replace("error", "divergence");
         }
         channels
     }

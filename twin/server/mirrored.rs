@@ -6,12 +6,13 @@ use std::sync::Arc;
 
 use crate::mirror::{Live, OpenedFlight};
 use crate::notation::{ROWS, TICK_S};
-use crate::scenario::Shadow;
+use crate::scenario::divergence::HORIZONS;
 use crate::scenario::shadow::{GHOST_TICKS, PREDICTOR};
+use crate::scenario::{Flyer, Light, Shadow, Twin};
 use crate::server::logbook::Logbook;
 use crate::server::pilot::{Mission, Orders};
 use crate::server::place::{Beside, Place};
-use crate::server::protocol::{ChannelInfo, ClientMessage, MirrorInfo};
+use crate::server::protocol::{ChannelInfo, ClientMessage, MirrorInfo, TwinAxis, TwinInfo};
 use crate::server::running::{Running, watch};
 use crate::server::{ServerError, launch};
 
@@ -22,7 +23,7 @@ const WARM_UP_TICKS: usize = 1000;
 const BEHIND_TICKS: usize = 6;
 
 /// Groups of channels that nobody acts in: a recorded vehicle has its own controller.
-const NOT_IN_FORCE: [&str; 4] = ["robust", "actuators", "gripper", "world"];
+pub(super) const NOT_IN_FORCE: [&str; 4] = ["robust", "actuators", "gripper", "world"];
 
 /// Which recording to serve.
 pub struct MirrorOptions {
@@ -84,6 +85,8 @@ pub(super) struct Mirrored {
     pub info: MirrorInfo,
     /// The flight.
     pub shadow: Shadow,
+    /// The twin that flies beside it.
+    flyer: Flyer,
     /// Name of the file.
     pub name: String,
     /// The file.
@@ -101,6 +104,7 @@ impl Mirrored {
         });
         let recorded = &opened.recorded;
         let shadow = Shadow::of(opened);
+        let flyer = Flyer::new(shadow.film(), opened, Twin::of(opened));
         let known =
             |row: usize| (0..recorded.instants.len()).any(|t| recorded.residual_counts(t, row));
         let unknown = ROWS.iter().enumerate().filter(|(row, _)| !known(*row));
@@ -132,7 +136,7 @@ impl Mirrored {
             live: live.is_some(),
             notes: [&opened.survey.container.problems[..], &opened.signals.notes[..]].concat(),
         };
-        Self { info, shadow, name: opened.name(), path: opened.path.clone(), live }
+        Self { info, shadow, flyer, name: opened.name(), path: opened.path.clone(), live }
     }
 
     /// The stream anew, if there is more to know of it.
@@ -157,6 +161,23 @@ impl Mirrored {
     /// What happened to the stream since the last call, a sentence each.
     pub(super) fn news(&self) -> Vec<String> {
         self.live.as_ref().map_or_else(Vec::new, |(live, _)| live.news())
+    }
+
+    /// How far the twin is from the flight at `tick`, having started half a second before.
+    pub(super) fn beside(&self, tick: usize) -> TwinInfo {
+        // A little earlier, so that nothing after the tick is needed: of a stream there is nothing yet.
+        let start = tick.checked_sub(self.flyer.reach(HORIZONS[1]));
+        let misses = start.and_then(|start| self.flyer.half_second(start));
+        let axis = |(row, miss): (&&str, &crate::scenario::Miss)| {
+            let (twin, with_residual, coasting) = (miss.twin?, miss.with_residual?, miss.coasting?);
+            Some(TwinAxis { row: (*row).to_owned(), twin, with_residual, coasting })
+        };
+        TwinInfo {
+            says: self.flyer.says().to_owned(),
+            horizon_s: HORIZONS[1] as f64 * TICK_S,
+            light: misses.as_ref().and_then(Light::worst),
+            axes: misses.iter().flat_map(|m| ROWS.iter().zip(m)).filter_map(axis).collect(),
+        }
     }
 
     /// The tick at `t_s` of the recording, inside it.
@@ -188,7 +209,7 @@ impl Mirrored {
             match index {
                 Some(index) if info.name.starts_with("chi.") => coordinates[index],
                 Some(index) => residuals[index],
-                None => !NOT_IN_FORCE.contains(&info.group.as_str()),
+                None => true,
             }
         };
         infos.iter().zip(row).map(|(info, v)| if known(info) { *v } else { f32::NAN }).collect()

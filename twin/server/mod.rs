@@ -28,6 +28,7 @@ mod rate;
 mod running;
 mod sortie;
 pub mod telemetry;
+mod twin_info;
 #[cfg(test)]
 mod typescript;
 pub mod viewers;

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use ts_rs::TS;
 
 use crate::mirror::scene::Scene;
+pub use crate::server::twin_info::{TwinAxis, TwinInfo};
 use crate::source::Disturbance;
 use crate::tick::EventKind;
 
@@ -320,6 +321,8 @@ pub struct StateInfo {
     pub wind_m_s: [f64; 3],
     /// Effects that are switched off.
     pub effects_off: Vec<String>,
+    /// The twin that flew beside a mirrored recording until now; `null` if a simulated vehicle flies.
+    pub twin: Option<TwinInfo>,
 }
 
 /// What one stage of a tick costs.

@@ -144,6 +144,7 @@ impl Sortie {
             payload_kg: None,
             wind_m_s: [0.0; 3],
             effects_off: Vec::new(),
+            twin: None,
         };
         self.describe(&mut state, speed, paused);
         Published {
@@ -185,6 +186,8 @@ impl Sortie {
         if self.mirrored.as_ref().is_some_and(|mirrored| mirrored.is_lost()) {
             STREAM_LOST.clone_into(&mut state.task_phase);
         }
+        let flown = self.next_tick.saturating_sub(1) as usize;
+        state.twin = self.mirrored.as_ref().map(|mirrored| mirrored.beside(flown));
         state.verdict = verdict;
         state.reason = reason;
         self.world.describe(state);

@@ -37,6 +37,8 @@ const log = new EventLog((event) => charts.showEvent(event));
 charts.onCursor = (tick) => log.mark(tick);
 const bar = new TopBar(store, link);
 const cameras = cameraButtons(() => world);
+/** The recording that is shown. */
+let shownFile: string | null = null;
 const sceneView = world === null ? null : new SceneView(world, store);
 commands.register(
   { id: "flight.pause", group: "Flight", description: "pause or continue", keys: ["Space"], action: () => bar.togglePause() },
@@ -119,6 +121,13 @@ function hello(received: Extract<ServerMessage, { type: "hello" }>): void {
   log.rebuild(store.events);
   bar.rebuild();
   mirror.rebuild();
+  followed(received.mirror?.file ?? null);
+}
+
+/** A recorded flight goes where no arena is: the camera goes with it until somebody chooses another. */
+function followed(file: string | null): void {
+  if (file !== null && file !== shownFile) cameras.follow();
+  shownFile = file;
 }
 
 function telemetry(received: Parameters<Store["ingest"]>[0]): void {

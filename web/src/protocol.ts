@@ -413,7 +413,58 @@ wind_m_s: [number, number, number],
 /**
  * Effects that are switched off.
  */
-effects_off: Array<string>, };
+effects_off: Array<string>, 
+/**
+ * The twin that flew beside a mirrored recording until now; `null` if a simulated vehicle flies.
+ */
+twin: TwinInfo | null, };
+
+/**
+ * How far the twin is from a mirrored flight, having started from it some time ago under the commands that were recorded.
+ */
+export type TwinInfo = { 
+/**
+ * What flew, one sentence.
+ */
+says: string, 
+/**
+ * How long ago it started, s.
+ */
+horizon_s: number, 
+/**
+ * The worst axis; `null` where force or motion is unknown.
+ */
+light: Light | null, 
+/**
+ * Axes that are compared.
+ */
+axes: Array<TwinAxis>, };
+
+/**
+ * One axis of it, m or rad.
+ */
+export type TwinAxis = { 
+/**
+ * Name of the row.
+ */
+row: string, 
+/**
+ * Twin less flight.
+ */
+twin: number, 
+/**
+ * The same of the twin with the residual of the half second before it started.
+ */
+with_residual: number, 
+/**
+ * The same of what simply went on as it moved.
+ */
+coasting: number, };
+
+/**
+ * Whether the twin says where the vehicle goes.
+ */
+export type Light = "valid" | "doubtful" | "invalid";
 
 /**
  * What one stage of a tick costs.

@@ -4,9 +4,12 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 use clap::Args;
-use twin::evaluate::ablation::{VARIANTS, Variant, flown, measure, statistics};
+use twin::evaluate::ablation::{
+    VARIANTS, Variant, flown, measure, over_horizon, sheet, statistics,
+};
 use twin::scenario::Scenario;
 
+use super::output::Output;
 use crate::cli::{End, Overrides, read_weights};
 
 #[derive(Args)]
@@ -29,9 +32,8 @@ pub(super) struct AblationArgs {
     /// Seeds 1..=N.
     #[arg(long, default_value_t = 3)]
     seeds: u64,
-    /// Print one JSON object instead of a table.
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    output: Output,
     #[command(flatten)]
     overrides: Overrides,
 }
@@ -68,24 +70,29 @@ pub(super) fn run(args: &AblationArgs) -> anyhow::Result<End> {
     for ((name, paper), file) in VARIANTS.into_iter().zip(files) {
         let Some(file) = file else { continue };
         let weights = read_weights(file)?;
-        let [rmse_z, r2] = measure(name, (&weights, file), &scenario, &flights, &statistics)?;
+        let (by_horizon, r2) = measure(name, (&weights, file), &scenario, &flights, &statistics)?;
+        let rmse_z = by_horizon[0];
         let change = |value: f64, full: f64| (value / full - 1.0) * 100.0;
         let reference = rows.first().map_or(rmse_z, |row| row.rmse_z);
         rows.push(Variant {
             name: name.to_owned(),
             weights: file.clone(),
             rmse_z,
+            rmse_z_by_horizon: by_horizon,
             r2,
             delta_percent: change(rmse_z, reference),
             paper: [paper, change(paper, VARIANTS[0].1)],
         });
     }
+    args.output.write_pictures("The FDT without one of its parts", &sheet(&rows), || {
+        Ok(over_horizon(&rows).svg())
+    })?;
     print(args, &rows);
     Ok(End::Passed)
 }
 
 fn print(args: &AblationArgs, rows: &[Variant]) {
-    if args.json {
+    if args.output.json {
         let command = super::command();
         println!(
             "{}",

@@ -3,8 +3,11 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use twin::scenario::table::{Job, condense, fly_all};
+use twin::evaluate::Sheet;
+use twin::evaluate::sheet::figure;
+use twin::scenario::table::{Job, Line, condense, fly_all};
 
+use super::output::Output;
 use crate::cli::{End, Overrides};
 
 #[derive(Args)]
@@ -13,10 +16,10 @@ pub(super) struct L1Args {
     #[arg(default_values = ["scenarios/a_500g_fast.toml", "scenarios/b_300g_slow.toml"])]
     scenarios: Vec<PathBuf>,
     /// Poles `-A_s`, 1/s.
-    #[arg(long, value_delimiter = ',', default_value = "1,5,10,20")]
+    #[arg(long, value_delimiter = ',', default_value = "0.1,1,5,20")]
     poles: Vec<f64>,
     /// Corners of the low-pass, rad/s: of x y z, and after the colon of the other rows.
-    #[arg(long, value_delimiter = ',', default_value = "0.5:1,2:4,4:8,8:8", value_parser = parse_corners)]
+    #[arg(long, value_delimiter = ',', default_value = "4:8,12:48,20:80,40:160", value_parser = parse_corners)]
     cutoffs: Vec<[f64; 2]>,
     /// Gain preset.
     #[arg(long, default_value = "tuned")]
@@ -24,9 +27,8 @@ pub(super) struct L1Args {
     /// Flights at a time [default: one per core].
     #[arg(long)]
     jobs: Option<usize>,
-    /// Print one JSON object instead of a table.
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    output: Output,
     #[command(flatten)]
     overrides: Overrides,
 }
@@ -36,7 +38,7 @@ fn parse_corners(text: &str) -> Result<[f64; 2], String> {
     parsed.ok_or_else(|| format!("found {text:?}, expected such as 2:4, rad/s"))
 }
 
-pub(super) fn run(args: &L1Args) -> End {
+pub(super) fn run(args: &L1Args) -> anyhow::Result<End> {
     let mut jobs = Vec::new();
     for pole in &args.poles {
         for [force, moment] in &args.cutoffs {
@@ -63,17 +65,25 @@ pub(super) fn run(args: &L1Args) -> End {
         Err(error) => eprintln!("{}: {error}", outcome.row),
     });
     let lines = condense(&outcomes);
-    if args.json {
+    let mut sheet = Sheet::new(["row", "scenario", "rms e8, m and rad", "ended"]);
+    sheet.rows.extend(lines.iter().map(|line| cells(line).to_vec()));
+    args.output.write_pictures("L1: poles and corners", &sheet, || Ok(String::new()))?;
+    if args.output.json {
         let command = super::command();
         println!("{}", serde_json::json!({ "table": "l1", "command": command, "lines": lines }));
-        return End::Passed;
+        return Ok(End::Passed);
     }
     println!("{:28} {:14} {:>9}  verdict", "rms e8, m and rad", "scenario", "e8");
     for line in &lines {
-        let value = line.values.get("rms_error_e8_mean").copied().unwrap_or(f64::NAN);
-        let ended = line.other_verdicts.keys().next().map_or("completed", String::as_str);
-        println!("{:28} {:14} {value:9.3}  {ended}", line.row, line.scenario);
+        let [row, scenario, value, ended] = cells(line);
+        println!("{row:28} {scenario:14} {value:>9}  {ended}");
     }
     println!("\n{}", super::command());
-    End::Passed
+    Ok(End::Passed)
+}
+
+fn cells(line: &Line) -> [String; 4] {
+    let value = line.values.get("rms_error_e8_mean").copied();
+    let ended = line.other_verdicts.keys().next().map_or("completed", String::as_str);
+    [line.row.clone(), line.scenario.clone(), figure(value, 3), ended.to_owned()]
 }

@@ -2,6 +2,7 @@
 
 mod ablation;
 mod l1;
+mod output;
 mod pickup;
 mod prediction;
 mod tracking;
@@ -38,7 +39,7 @@ pub(super) fn run(args: &EvaluateArgs) -> anyhow::Result<End> {
         Table::Tracking(args) => tracking::run(args),
         Table::Ablation(args) => ablation::run(args),
         Table::Pickup(args) => pickup::run(args),
-        Table::L1(args) => Ok(l1::run(args)),
+        Table::L1(args) => l1::run(args),
         Table::Acceptance(args) => super::acceptance::run(args),
     }
 }

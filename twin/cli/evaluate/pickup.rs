@@ -1,14 +1,13 @@
 //! `twin evaluate pickup`.
 
-use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use anyhow::Context;
 use clap::Args;
+use twin::evaluate::Sheet;
 use twin::evaluate::pickup::{Flown, MODES, pick_up, pictures};
-use twin::evaluate::pictures_page;
 use twin::scenario::{Scenario, side_by_side};
 
+use super::output::Output;
 use crate::cli::{End, Overrides};
 
 #[derive(Args)]
@@ -18,12 +17,8 @@ pub(super) struct PickupArgs {
     /// Flights at a time [default: one per core].
     #[arg(long)]
     jobs: Option<usize>,
-    /// Print one JSON object instead of a table.
-    #[arg(long)]
-    json: bool,
-    /// Write a page with pictures.
-    #[arg(long, value_name = "FILE")]
-    html: Option<PathBuf>,
+    #[command(flatten)]
+    output: Output,
     #[command(flatten)]
     overrides: Overrides,
 }
@@ -48,19 +43,13 @@ pub(super) fn run(args: &PickupArgs) -> anyhow::Result<End> {
         args.jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
     let flown = side_by_side(&jobs, threads, &|(mode, scenario)| pick_up(scenario, mode));
     let flown = flown.into_iter().collect::<Result<Vec<Flown>, _>>()?;
-    if let Some(path) = &args.html {
-        let mut body = table_html(&flown);
-        for flights in flown.chunks(MODES.len()) {
-            for picture in pictures(flights) {
-                body.push_str(&picture.svg());
-            }
-        }
-        let page = pictures_page("When the load changes", &body, &super::command());
-        std::fs::write(path, page)
-            .with_context(|| format!("{}: cannot be written", path.display()))?;
-        eprintln!("wrote {}", path.display());
-    }
-    if args.json {
+    let mut sheet = Sheet::new(HEAD);
+    sheet.rows.extend(flown.iter().map(|flown| cells(flown).to_vec()));
+    args.output.write_pictures("When the load changes", &sheet, || {
+        let pictures = flown.chunks(MODES.len()).flat_map(pictures);
+        Ok(pictures.map(|picture| picture.svg()).collect())
+    })?;
+    if args.output.json {
         let command = super::command();
         println!(
             "{}",
@@ -102,22 +91,4 @@ fn print_table(flown: &[Flown]) {
         line(std::array::from_fn(|i| cells[i].as_str()));
     }
     println!("\n{}", super::command());
-}
-
-fn table_html(flown: &[Flown]) -> String {
-    let row = |cells: &[&str], tag: &str| {
-        let mut text = String::from("<tr>");
-        for cell in cells {
-            let _ = write!(text, "<{tag}>{cell}</{tag}>");
-        }
-        text + "</tr>"
-    };
-    let rows: String = flown
-        .iter()
-        .map(|flown| {
-            let cells = cells(flown);
-            row(&cells.each_ref().map(String::as_str), "td")
-        })
-        .collect();
-    format!("<table><thead>{}</thead><tbody>{rows}</tbody></table>", row(&HEAD, "th"))
 }

@@ -10,9 +10,10 @@ use twin::evaluate::fit::{Baseline, fit};
 use twin::evaluate::prediction::{rows, spreads};
 use twin::evaluate::{PredictionTable, Series, Statistics, prediction_page};
 use twin::residual::HORIZON;
-use twin::scenario::{Preset, Scenario};
+use twin::scenario::Scenario;
 
-use crate::cli::{End, read_weights};
+use super::output::Output;
+use crate::cli::{End, Overrides, read_weights};
 
 #[derive(Args)]
 pub(super) struct PredictionArgs {
@@ -35,15 +36,13 @@ pub(super) struct PredictionArgs {
     /// Where `sindy.safetensors` and `gp.safetensors` are written.
     #[arg(long, value_name = "DIR", default_value = "out/models")]
     models_dir: PathBuf,
-    /// The vehicle and the adapter's settings of rows without weights.
+    /// The vehicle and the adapter's settings.
     #[arg(long, value_name = "FILE", default_value = "scenarios/test_300g.toml")]
     scenario: PathBuf,
-    /// Print one JSON object instead of a table.
-    #[arg(long)]
-    json: bool,
-    /// Write a page with pictures.
-    #[arg(long, value_name = "FILE")]
-    html: Option<PathBuf>,
+    #[command(flatten)]
+    output: Output,
+    #[command(flatten)]
+    overrides: Overrides,
 }
 
 pub(super) fn run(args: &PredictionArgs) -> anyhow::Result<End> {
@@ -77,12 +76,8 @@ pub(super) fn run(args: &PredictionArgs) -> anyhow::Result<End> {
         spreads: spreads(&rows),
         rows,
     };
-    if let Some(path) = &args.html {
-        std::fs::write(path, prediction_page(&table, &series))
-            .with_context(|| format!("{}: cannot be written", path.display()))?;
-        eprintln!("wrote {}", path.display());
-    }
-    if args.json {
+    args.output.write(&table.sheet(), || Ok(prediction_page(&table, &series)))?;
+    if args.output.json {
         println!("{}", serde_json::to_string(&table)?);
     } else {
         print_table(&table);
@@ -107,15 +102,15 @@ fn candidates(
     data_hash: &str,
     news: &dyn Fn(&str),
 ) -> anyhow::Result<Vec<Candidate>> {
-    let scenario = Scenario::load(&args.scenario, &[])?;
-    let tuning = scenario.preset_tuning(Preset::Tuned);
+    let scenario = Scenario::load(&args.scenario, &args.overrides.set)?;
+    let tuning = scenario.tuning()?;
     let mut all = Vec::new();
     for name in &args.models {
         let baseline = match name.as_str() {
             "sindy" => Baseline::Sindy,
             "gp" => Baseline::Gp,
             name => {
-                let row = untrained(name, &args.scenario);
+                let row = untrained(name, &args.scenario, &args.overrides.set);
                 let also = || {
                     format!("fitted here: sindy, gp; without fit: {}", untrained_names().join(", "))
                 };

@@ -5,10 +5,14 @@ use std::path::PathBuf;
 use anyhow::Context;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
-use twin::scenario::Verdict;
+use twin::evaluate::Sheet;
+use twin::evaluate::paths::path;
+use twin::evaluate::sheet::figure;
 use twin::scenario::cache::Cache;
 use twin::scenario::table::{COLUMNS, Job, Line, Outcome, PAPER, condense, fly_all};
+use twin::scenario::{Scenario, Verdict, side_by_side};
 
+use super::output::Output;
 use crate::cli::{End, Overrides, read_weights};
 
 #[derive(Args)]
@@ -18,7 +22,7 @@ pub(super) struct TrackingArgs {
     /// Seeds 1..=N of each scenario.
     #[arg(long, default_value_t = 10)]
     seeds: u64,
-    /// What flies without weights, one row each; `fdt` and `fdt_lra` fly the weights the program was built with.
+    /// What flies without weights, one row each; `fdt` and `fdt_lra` fly the weights the program was built with; '' for none.
     #[arg(long, value_delimiter = ',', default_value = "pid,l1,tdc,random_features")]
     rows: Vec<String>,
     /// Gain presets.
@@ -37,9 +41,8 @@ pub(super) struct TrackingArgs {
     /// Fly everything again.
     #[arg(long, conflicts_with = "cache")]
     no_cache: bool,
-    /// Print one JSON object instead of a table.
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    output: Output,
     #[command(flatten)]
     overrides: Overrides,
 }
@@ -80,7 +83,8 @@ pub(super) fn run(args: &TrackingArgs) -> anyhow::Result<End> {
     });
     bar.finish_and_clear();
     let lines = condense(&outcomes);
-    if args.json {
+    args.output.write_pictures("Tracking in full missions", &sheet(&lines), || paths(&jobs))?;
+    if args.output.json {
         let command = super::command();
         println!(
             "{}",
@@ -94,6 +98,60 @@ pub(super) fn run(args: &TrackingArgs) -> anyhow::Result<End> {
     let all =
         outcomes.iter().all(|o| o.result.as_ref().is_ok_and(|r| r.verdict == Verdict::Completed));
     Ok(if all { End::Passed } else { End::Failed })
+}
+
+/// Figures of a line: name for people, name in the line, decimals.
+const FIGURES: [(&str, &str, usize); 13] = [
+    ("e8 mean", "completed_rms_error_e8_mean", 4),
+    ("e8 std", "completed_rms_error_e8_std", 4),
+    ("e8 mean, all flights", "rms_error_e8_mean", 4),
+    ("e8 in transport", "rms_error_e8_transport_mean", 4),
+    ("cruise m/s, least", "transport_speed_m_s_min", 3),
+    ("cruise m/s, most", "transport_speed_m_s_max", 3),
+    ("placing mm, median", "placement_error_mm_median", 1),
+    ("placing mm, most", "placement_error_mm_max", 1),
+    ("slip mm, median", "grasp_slip_mm_median", 2),
+    ("slip mm, most", "grasp_slip_mm_max", 2),
+    ("flight s, median", "flight_s_median", 1),
+    ("retries, most", "retries_max", 0),
+    ("a-priori RMSE z", "residual_rmse_z_mean", 3),
+];
+
+fn sheet(lines: &[Line]) -> Sheet {
+    let head = ["row", "scenario", "flights", "completed", "other ends", "paper e8"];
+    let mut sheet = Sheet::new(head.into_iter().chain(FIGURES.map(|(name, ..)| name)));
+    sheet.rows.extend(lines.iter().map(|line| {
+        let others = line.other_verdicts.iter().map(|(end, n)| format!("{n} {end}"));
+        let mut cells = vec![
+            line.row.clone(),
+            line.scenario.clone(),
+            line.flights.to_string(),
+            line.completed.to_string(),
+            others.collect::<Vec<_>>().join(" "),
+            figure(line.paper_rms_error_e8, 3),
+        ];
+        cells.extend(FIGURES.map(|(_, key, n)| figure(line.values.get(key).copied(), n)));
+        cells
+    }));
+    sheet
+}
+
+/// Paths of the last row, the first seed of each of its columns: flown once more, as reports keep no path.
+fn paths(jobs: &[Job]) -> anyhow::Result<String> {
+    let Some(last) = jobs.last() else { return Ok(String::new()) };
+    let mut drawn: Vec<(String, Scenario)> = Vec::new();
+    for job in jobs.iter().filter(|job| job.row == last.row) {
+        if drawn.iter().all(|(_, scenario)| scenario.file != job.file) {
+            drawn.push((job.row.clone(), Scenario::load(&job.file, &job.overrides)?));
+        }
+    }
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let pictures = side_by_side(&drawn, threads, &|(row, scenario)| path(scenario, row));
+    let mut text = format!("<h2>Paths from above, {}</h2>", last.row);
+    for picture in pictures {
+        text.push_str(&picture?.svg());
+    }
+    Ok(text)
 }
 
 /// A row of the table: its name and the keys that make it.
@@ -112,7 +170,7 @@ fn rows(args: &TrackingArgs) -> anyhow::Result<Vec<Row>> {
             .with_context(|| format!("--rows: found {name:?}, expected {}", known()))
     };
     let mut rows = Vec::new();
-    for name in &args.rows {
+    for name in args.rows.iter().filter(|name| !name.is_empty()) {
         rows.push(Row { name: name.clone(), keys: keys(name)? });
     }
     for file in &args.weights {

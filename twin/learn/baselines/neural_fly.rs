@@ -196,7 +196,8 @@ fn spectral_norm(values: &[f32], inputs: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::learn::graph::{device, exclusive, values};
+    use crate::learn::device::device;
+    use crate::learn::graph::{exclusive, values};
 
     #[test]
     fn the_solution_of_a_known_system_is_known() {

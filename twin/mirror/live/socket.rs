@@ -29,6 +29,10 @@ const READ: Duration = Duration::from_millis(100);
 /// A connection that says nothing for so long is asked whether it is there.
 const PING_READS: u32 = 20;
 
+/// A server that has answered nothing, not even that question, for so many reads is gone: a machine that was switched off closes
+/// no connection.
+const GONE_READS: u32 = 60;
+
 /// Opcode of a message of a subscription, and the bytes before its content: opcode, subscription, time.
 const MESSAGE_DATA: u8 = 0x01;
 const DATA_HEAD_BYTES: usize = 1 + 4 + 8;
@@ -144,6 +148,12 @@ fn read(
             Ok(_) => {}
             Err(tungstenite::Error::Io(error)) if is_timeout(&error) => {
                 quiet += 1;
+                if quiet >= GONE_READS {
+                    return Err(format!(
+                        "no answer for {:.0} s",
+                        f64::from(quiet) * READ.as_secs_f64()
+                    ));
+                }
                 if quiet % PING_READS == 0 {
                     let ping = socket.send(Message::Ping(Vec::new().into()));
                     ping.map_err(|error| error.to_string())?;

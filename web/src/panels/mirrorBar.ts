@@ -1,7 +1,7 @@
 // The bar of a mirrored recording: what it is, where it stands, and the way to any other moment of it. A simulated flight
 // has no such bar. Pause, step and speed are those of the top bar.
 import type { Store } from "../data/store";
-import type { ClientMessage, MirrorInfo, StateInfo } from "../protocol";
+import type { ClientMessage, MirrorInfo, StateInfo, TwinInfo } from "../protocol";
 import { commands } from "./commands";
 import { byId, element, setText } from "./dom";
 import { hang } from "./popover";
@@ -28,6 +28,8 @@ export class MirrorBar {
   private readonly throttle = new Throttle(SEEK_EVERY_MS, (tS) => this.send({ type: "seek", t_s: tS }));
   private readonly loopButton = byId("mirror-loop");
   private dragging = false;
+  /** What is shown of the twin. */
+  private shown: TwinInfo | null = null;
   /** What is played again and again; null if nothing is. */
   private loop: Stretch | null = null;
 
@@ -78,6 +80,7 @@ export class MirrorBar {
 
   /** Shows where the recording stands; called a few times a second. */
   readings(): void {
+    this.beside();
     if (this.info === null || this.dragging) return;
     const tick = this.store.lastTick >= 0 ? this.store.lastTick : (this.store.state?.tick ?? 0);
     const tS = tick * this.store.tickS;
@@ -88,6 +91,19 @@ export class MirrorBar {
     if (this.loop === null) return;
     if (tS >= this.loop.to - this.store.tickS && this.flying) this.seek(this.loop.from);
     else if (this.atEnd(tS)) this.playFrom(this.loop.from);
+  }
+
+  /** Whether the twin that started from the flight half a second ago is where the flight is. */
+  private beside(): void {
+    const twin = this.store.state?.twin ?? null;
+    if (this.info === null || twin === null || twin === this.shown) return;
+    this.shown = twin;
+    const badge = byId("mirror-twin");
+    badge.dataset["light"] = twin.light ?? "unknown";
+    badge.title = `${twin.says}; ${twin.horizon_s.toFixed(1)} s after its start from the flight. Axis by axis under About…`;
+    setText(badge, verdict(twin));
+    const head = ["axis", "twin", "with r before", "coasting"].map((textContent) => element("th", { textContent }));
+    byId("mirror-axes").replaceChildren(row(head), ...cells(twin).map((texts) => row(texts.map((textContent) => element("td", { textContent })))));
   }
 
   private toggleLoop(): void {
@@ -140,6 +156,27 @@ export class MirrorBar {
     const phase: StateInfo["phase"] | undefined = this.store.state?.phase;
     return phase === "flying";
   }
+}
+
+function row(children: HTMLElement[]): HTMLElement {
+  const tr = element("tr", {});
+  tr.append(...children);
+  return tr;
+}
+
+const LIGHTS: Record<NonNullable<TwinInfo["light"]>, string> = { valid: "✓ twin holds", doubtful: "≈ twin doubtful", invalid: "✗ twin does not hold" };
+
+/** The light in words: never by its colour alone. */
+export function verdict(twin: TwinInfo): string {
+  return twin.light === null ? "twin: unknown" : LIGHTS[twin.light];
+}
+
+/** One line per axis: how far twin, twin with residual and coasting are from the flight, mm and mrad. */
+export function cells(twin: TwinInfo): string[][] {
+  return twin.axes.map(({ row: name, twin: bare, with_residual, coasting }) => {
+    const unit = ["x", "y", "z"].includes(name) ? "mm" : "mrad";
+    return [name, ...[bare, with_residual, coasting].map((miss) => `${(1e3 * miss).toFixed(0)} ${unit}`)];
+  });
 }
 
 /** What the bar's panel says about the recording. */

@@ -47,7 +47,7 @@ export function symbolOf(row: string): string {
 /** The charts of the console for one row of the coordinates, the most important first; beside a recording nothing is controlled. */
 export function chartSpecs(row: string, channels: ChannelInfo[], mirrored = false): ChartSpec[] {
   const known = new Set(channels.map(({ name }) => name));
-  return [...forecastSpecs(row), ...(mirrored ? mirrorSpecs(row) : controlSpecs(row)), ...adapterSpecs(), ...bodySpecs(channels)]
+  return [...forecastSpecs(row), ...(mirrored ? mirrorSpecs(row) : controlSpecs(row)), ...adapterSpecs(), ...(mirrored ? [] : bodySpecs(channels))]
     .map((spec) => ({ ...spec, series: spec.series.filter(({ channel }) => known.has(channel)) }))
     .filter(({ key, series }) => series.length > 0 || key === SPECTRUM);
 }

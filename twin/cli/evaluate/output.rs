@@ -1,0 +1,62 @@
+//! Where a table goes besides the terminal.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use clap::Args;
+use twin::evaluate::{Sheet, pictures_page};
+
+/// What every table takes.
+#[derive(Args)]
+pub(super) struct Output {
+    /// Print one JSON object instead of a table.
+    #[arg(long)]
+    pub(super) json: bool,
+    /// Write the table as CSV.
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+    /// Write a page with pictures; it opens offline.
+    #[arg(long, value_name = "FILE")]
+    html: Option<PathBuf>,
+}
+
+impl Output {
+    /// Writes what was asked for; `page` is called only if a page was.
+    pub(super) fn write(
+        &self,
+        sheet: &Sheet,
+        page: impl FnOnce() -> anyhow::Result<String>,
+    ) -> anyhow::Result<()> {
+        if let Some(path) = &self.csv {
+            write(path, sheet.csv().as_bytes())?;
+        }
+        if let Some(path) = &self.html {
+            write(path, page()?.as_bytes())?;
+        }
+        Ok(())
+    }
+
+    /// The same with a page of `title`, the table, and `pictures` under it.
+    pub(super) fn write_pictures(
+        &self,
+        title: &str,
+        sheet: &Sheet,
+        pictures: impl FnOnce() -> anyhow::Result<String>,
+    ) -> anyhow::Result<()> {
+        self.write(sheet, || {
+            let body = sheet.html() + &pictures()?;
+            Ok(pictures_page(title, &body, &super::command()))
+        })
+    }
+}
+
+fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder)
+            .with_context(|| format!("{}: cannot be made", folder.display()))?;
+    }
+    std::fs::write(path, bytes)
+        .with_context(|| format!("{}: cannot be written", path.display()))?;
+    eprintln!("wrote {}", path.display());
+    Ok(())
+}

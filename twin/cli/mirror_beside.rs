@@ -1,0 +1,100 @@
+//! The twin that flies beside a recording, for `twin mirror --headless`.
+
+use std::path::Path;
+
+use anyhow::Context;
+use twin::mirror::OpenedFlight;
+use twin::notation::{ROWS, TICK_S};
+use twin::scenario::divergence::HORIZONS;
+use twin::scenario::{DivergenceReport, Flyer, Light, Shadow, Shot, Twin};
+
+/// The twin of `urdf`, or of what is known.
+pub(super) fn twin(urdf: Option<&Path>, opened: &OpenedFlight) -> anyhow::Result<Twin> {
+    Ok(match urdf {
+        Some(file) => Twin::urdf(file, &opened.recorded.joint_names)?,
+        None => Twin::of(opened),
+    })
+}
+
+/// How far the twin gets from the flight.
+pub(super) struct Divergence {
+    report: DivergenceReport,
+    from: Option<Shot>,
+}
+
+impl Divergence {
+    /// Along the whole flight, and from `fly_from`, s, if that is asked for.
+    pub(super) fn new(
+        opened: &OpenedFlight,
+        shadow: &Shadow,
+        twin: Twin,
+        fly_from: Option<f64>,
+    ) -> anyhow::Result<Self> {
+        let flyer = Flyer::new(shadow.film(), opened, twin);
+        let from = match fly_from {
+            None => None,
+            Some(t_s) => {
+                let tick = (t_s / TICK_S).round().max(0.0) as usize;
+                let unknown = "the twin cannot fly from there: force and motion must be known from 0.5 s before to 1.1 s after it";
+                Some(flyer.from(tick).with_context(|| format!("--fly-from {t_s}: {unknown}"))?)
+            }
+        };
+        Ok(Self { report: flyer.along(), from })
+    }
+
+    pub(super) fn json(&self) -> serde_json::Value {
+        let mut found = serde_json::to_value(&self.report).unwrap_or_default();
+        if let Some(shot) = &self.from {
+            let after = HORIZONS.iter().zip(&shot.after).map(|(ticks, misses)| {
+                let axes = ROWS
+                    .iter()
+                    .zip(misses)
+                    .map(|(row, miss)| serde_json::json!({ "row": row, "miss": miss }));
+                serde_json::json!({
+                    "horizon_s": *ticks as f64 * TICK_S,
+                    "axes": axes.collect::<Vec<_>>(),
+                    "light": Light::worst(misses),
+                })
+            });
+            found["from"] = serde_json::json!({
+                "t_s": shot.t_s,
+                "own_attitude": shot.free,
+                "after": after.collect::<Vec<_>>(),
+            });
+        }
+        found
+    }
+
+    pub(super) fn print(&self) {
+        let DivergenceReport { twin, commands, flights, horizons, .. } = &self.report;
+        println!("  twin beside it: {twin}; {commands}; {flights} flights of 1 s");
+        for horizon in horizons {
+            for axis in &horizon.axes {
+                println!(
+                    "  after {:.1} s {:6} {:.3} {} ({:?}); with the residual {:.3} ({:?}); coasting {:.3}",
+                    horizon.horizon_s,
+                    axis.row,
+                    axis.twin_rms,
+                    axis.unit,
+                    axis.light,
+                    axis.with_residual_rms,
+                    axis.light_with_residual,
+                    axis.coasting_rms,
+                );
+            }
+        }
+        let Some(shot) = &self.from else { return };
+        println!("  from {:.2} s, miss of twin, with the residual, coasting:", shot.t_s);
+        for (ticks, misses) in HORIZONS.iter().zip(&shot.after) {
+            for (row, miss) in ROWS.iter().zip(misses) {
+                let (Some(twin), Some(with), Some(coasting)) =
+                    (miss.twin, miss.with_residual, miss.coasting)
+                else {
+                    continue;
+                };
+                let after_s = *ticks as f64 * TICK_S;
+                println!("  after {after_s:.1} s {row:6} {twin:+.3} {with:+.3} {coasting:+.3}");
+            }
+        }
+    }
+}
