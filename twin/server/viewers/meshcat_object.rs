@@ -324,14 +324,19 @@ pub(super) mod tests {
 
     #[test]
     fn a_needle_reaches_from_foot_to_tip_and_is_nowhere_thicker() {
-        for tip in [[0.3, -0.2, 0.9], [0.0, -1.0, 0.0], [0.5, 0.1, 0.2], [0.1, 0.1, 0.2]] {
+        // f32; and an arrow without a length still has a millimetre.
+        let whole = 1e-6;
+        for (tip, room) in [
+            ([0.3, -0.2, 0.9], whole),
+            ([0.0, -1.0, 0.0], whole),
+            ([0.5, 0.1, 0.2], whole),
+            ([0.1, 0.1, 0.2], 1.1 * SHORTEST_M),
+        ] {
             let foot = [0.1_f32, 0.1, 0.2];
             let m = needle_matrix([foot, tip]).map(f64::from);
             let column = |k: usize| Vector3::new(m[4 * k], m[4 * k + 1], m[4 * k + 2]);
             let reached = column(3) + column(1);
             let wanted = Vector3::from(tip.map(f64::from));
-            // f32, and an arrow without a length still has a millimetre.
-            let room = if tip == foot { 1.1 * SHORTEST_M } else { 1e-6 };
             assert!((reached - wanted).norm() < room, "{tip:?}: {reached}");
             for k in [0, 2] {
                 assert!((column(k).norm() - 1.0).abs() < 1e-6, "{tip:?}");

@@ -74,7 +74,7 @@ mod tests {
         marks.extend(&flown(1..4001, row));
         let seen: Vec<[f32; 7]> = marks.news().expect("there are some").copied().collect();
         assert_eq!(seen.len(), MOST);
-        assert_eq!([seen[0][0], seen[MOST - 1][0]], [1100.0, 4000.0]);
+        assert_eq!([seen[0][0] as u64, seen[MOST - 1][0] as u64], [1100, 4000]);
         let half = std::f32::consts::FRAC_1_SQRT_2;
         for (found, wanted) in seen[0][3..].iter().zip([half, 0.0, 0.0, half]) {
             // Two roundings of f32.
