@@ -13,7 +13,7 @@ const STYLE: &str = "
 --line:light-dark(#d5dbe1,#2a333e)}
 body{max-width:1080px;margin:24px auto;padding:0 16px;font:14px/1.45 system-ui,sans-serif;font-variant-numeric:tabular-nums;
 color:var(--ink);background:var(--ground)}
-h1{font-size:20px}h2{font-size:16px;margin-top:28px}table{border-collapse:collapse;width:100%}
+h1{font-size:20px}h2{font-size:16px;margin-top:28px}table{border-collapse:collapse;min-width:100%;display:block;overflow-x:auto}
 th,td{padding:4px 10px 4px 0;text-align:right;border-bottom:1px solid var(--line)}th:first-child,td:first-child{text-align:left}
 th{color:var(--muted);font-weight:400}code,.from{font:12px/1.4 ui-monospace,monospace;color:var(--muted);overflow-wrap:anywhere}
 svg{max-width:100%;height:auto;border-radius:6px;margin:6px 0}

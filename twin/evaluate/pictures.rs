@@ -68,7 +68,7 @@ impl Picture {
 
     fn draw(&self, area: &Area<'_>) -> Result<(), Box<dyn std::error::Error>> {
         let points = || self.curves.iter().flat_map(|curve| &curve.points);
-        let mut xs = span(points().map(|(x, _)| *x), 0.0);
+        let mut xs = span(points().map(|(x, _)| *x), if self.map { 0.05 } else { 0.0 });
         let mut ys = span(points().map(|(_, y)| *y), 0.05);
         if self.map {
             let inner = [MAP_PX.0 - SIDES_PX.0, MAP_PX.1 - SIDES_PX.1].map(f64::from);
