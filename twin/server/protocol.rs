@@ -17,6 +17,7 @@ pub const EVENTS_KEPT: usize = 200;
 /// What the server says.
 #[derive(Clone, Debug, Serialize, TS)]
 #[serde(rename_all = "snake_case", tag = "type")]
+#[expect(clippy::large_enum_variant, reason = "a state is said a few times a second")]
 pub enum ServerMessage {
     /// Everything a client needs to start from nothing; first after the connection and after every `reset`.
     Hello(Box<Hello>),
