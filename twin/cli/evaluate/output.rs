@@ -29,9 +29,11 @@ impl Output {
     ) -> anyhow::Result<()> {
         if let Some(path) = &self.csv {
             write(path, sheet.csv().as_bytes())?;
+            eprintln!("wrote {}", path.display());
         }
         if let Some(path) = &self.html {
             write(path, page()?.as_bytes())?;
+            eprintln!("wrote {}", path.display());
         }
         Ok(())
     }
@@ -50,13 +52,11 @@ impl Output {
     }
 }
 
-fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+/// Writes a file, and its folder if there is none.
+pub(super) fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder)
             .with_context(|| format!("{}: cannot be made", folder.display()))?;
     }
-    std::fs::write(path, bytes)
-        .with_context(|| format!("{}: cannot be written", path.display()))?;
-    eprintln!("wrote {}", path.display());
-    Ok(())
+    std::fs::write(path, bytes).with_context(|| format!("{}: cannot be written", path.display()))
 }

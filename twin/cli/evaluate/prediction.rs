@@ -1,6 +1,6 @@
 //! `twin evaluate prediction`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::Context;
 use clap::Args;
@@ -12,7 +12,7 @@ use twin::evaluate::{PredictionTable, Series, Statistics, prediction_page};
 use twin::residual::HORIZON;
 use twin::scenario::Scenario;
 
-use super::output::Output;
+use super::output::{Output, write};
 use crate::cli::{End, Overrides, read_weights};
 
 #[derive(Args)]
@@ -129,13 +129,6 @@ fn candidates(
         all.extend(trained(&read_weights(file)?, file, &tuning)?);
     }
     Ok(all)
-}
-
-fn write(file: &Path, bytes: &[u8]) -> anyhow::Result<()> {
-    if let Some(folder) = file.parent() {
-        std::fs::create_dir_all(folder)?;
-    }
-    std::fs::write(file, bytes).with_context(|| format!("{}: cannot be written", file.display()))
 }
 
 fn print_table(table: &PredictionTable) {

@@ -174,25 +174,11 @@ fn since(mut telemetry: Telemetry, tick: u64) -> Option<Telemetry> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::server::telemetry::Picture;
+    use crate::server::viewers::fixture::flown;
 
     #[test]
     fn rows_before_the_target_of_a_seek_are_left_out() {
-        let picture = Picture {
-            t_s: 0.0,
-            poses: Vec::new(),
-            ghost: [0.0; 7],
-            contacts: Vec::new(),
-            spectrum: Vec::new(),
-        };
-        let telemetry = || Telemetry {
-            schema_id: 1,
-            first_tick: 10,
-            rows: (10..15).map(|tick| [tick as f32].into()).collect(),
-            gap: 0,
-            reset: false,
-            picture: Arc::new(picture.clone()),
-        };
+        let telemetry = || flown(10..15, |tick| vec![tick as f32]);
         let from = |tick| {
             since(telemetry(), tick).map(|rest| {
                 let rows: Vec<u64> = rest.rows.iter().map(|row| row[0] as u64).collect();

@@ -1,4 +1,4 @@
-//! Made telemetry for the tests beside.
+//! Made telemetry for the tests of the server.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -20,7 +20,7 @@ pub(super) fn channel(name: &str) -> ChannelInfo {
 }
 
 /// Ticks with rows as given and nothing to draw.
-pub(super) fn flown(ticks: Range<u64>, row: impl Fn(u64) -> Vec<f32>) -> Telemetry {
+pub(in crate::server) fn flown(ticks: Range<u64>, row: impl Fn(u64) -> Vec<f32>) -> Telemetry {
     let picture = Picture {
         t_s: 0.0,
         poses: Vec::new(),

@@ -10,7 +10,7 @@ mod controls;
 mod drawing;
 pub mod export;
 #[cfg(test)]
-mod fixture;
+pub(super) mod fixture;
 mod forces;
 mod layers;
 pub(super) mod meshcat;
