@@ -55,6 +55,28 @@ test("a seek shows that moment, with the seconds before it on the charts", async
   await until(async () => Math.abs((await nowS()) - 7.99) < TICK_S / 2, 20_000, "one tick back");
 });
 
+test("back and forward again, the charts keep what they had drawn before the run-up", async () => {
+  await seek(11);
+  const x = () => page.evaluate(() => Array.from({ length: 1101 }, (_, tick) => window.__twin.at("chi.x", tick)));
+  // The run-up of a jump to 11 s begins at 1 s; with what came before by the jump to 8 s nothing of it is missing.
+  const known = (values, to) => values.slice(0, to).every((value) => value !== null);
+  const before = await x();
+  assert.ok(known(before, 1100), `unknown at ${before.indexOf(null)}`);
+  for (const timeS of [3, 10.5]) {
+    await seek(timeS);
+    const now = await x();
+    assert.ok(known(now, timeS * 100), `unknown at ${now.indexOf(null)} after the way to ${timeS} s`);
+    // What was measured is the same however one comes to it.
+    assert.deepEqual(now.slice(0, timeS * 100), before.slice(0, timeS * 100));
+    assert.deepEqual(await page.evaluate(() => window.__twin.charts.gaps), []);
+    const error = await until(async () => {
+      const panel = (await page.evaluate(() => window.__twin.charts.panels)).find(({ visible, series }) => visible && series.length > 0);
+      return panel?.series[0];
+    }, 10_000, "a chart is drawn");
+    assert.equal(error.breaks, 0);
+  }
+});
+
 test("a stretch marked on the charts is played again and again", async () => {
   await seek(4);
   // The range is marked where the flight stands; the stretch is from 4 s to about 5 s.

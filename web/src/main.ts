@@ -89,8 +89,10 @@ function message(received: ServerMessage): void {
       bench.show();
       return bar.show();
     case "gain":
+      store.forgetDrawn();
       return gains.echo(received);
     case "gains":
+      store.forgetDrawn();
       return gains.replace(received);
     case "events":
       store.addEvents(received.events);

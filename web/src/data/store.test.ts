@@ -84,3 +84,42 @@ describe("Store", () => {
     expect(s.history.length).toBe(0);
   });
 });
+
+describe("a mirrored recording", () => {
+  const mirror = { file: "flight.mcap", live: false };
+  const recording = { ...hello, mirror } as unknown as Hello;
+  const rows = (from: number, to: number): number[][] => Array.from({ length: to - from }, (_, k) => [from + k, (from + k) % 50 === 7 ? 1 : 0]);
+  const jump = (s: Store, to: Hello, from: number, until: number): void => {
+    s.clear();
+    s.accept(to);
+    expect(s.ingest(frame(from, rows(from, until), { reset: true }))).toBe(true);
+  };
+
+  it("keeps what was drawn when it goes back, and when it goes forward again", () => {
+    const s = new Store();
+    jump(s, recording, 0, 200);
+    jump(s, recording, 80, 120);
+    expect([s.history.first, s.lastTick, s.resets]).toEqual([0, 119, [7, 57, 107]]);
+    jump(s, recording, 150, 180);
+    expect([s.history.first, s.lastTick, s.gaps]).toEqual([0, 179, []]);
+    for (let tick = 0; tick < 180; tick += 1) expect(s.at("error.x", tick)).toBe(tick);
+    // Nothing is known of the ticks between: nothing is drawn before them.
+    jump(s, recording, 300, 320);
+    expect(s.history.first).toBe(300);
+  });
+
+  it("is another one when its gains, its description or its file change, or when it is a stream", () => {
+    for (const [before, after, forget] of [
+      [recording, recording, true],
+      [recording, { ...recording, mirror: { ...mirror, file: "other.mcap" } } as Hello, false],
+      [{ ...recording, mirror: { ...mirror, live: true } } as Hello, { ...recording, mirror: { ...mirror, live: true } } as Hello, false],
+      [hello, hello, false],
+    ] as const) {
+      const s = new Store();
+      jump(s, before, 0, 200);
+      if (forget) s.forgetDrawn();
+      jump(s, after, 80, 120);
+      expect(s.history.first).toBe(80);
+    }
+  });
+});

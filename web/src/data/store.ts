@@ -1,12 +1,15 @@
 // What is known about the flight: the newest hello, the history of channels, and the newest poses.
 import type { Telemetry } from "../link/decode";
 import type { ChannelInfo, EventInfo, Hello, StateInfo } from "../protocol";
+import { Archive } from "./archive";
 import { History, HISTORY_TICKS } from "./history";
 import { covers, type TickSpan } from "./spans";
 
 /** Smallest history there can be, for a page that has heard nothing yet. */
 const NO_HISTORY_TICKS = 512;
 const KEPT_EVENTS = 2000;
+/** After a jump the charts begin with at most so many ticks of before: a minute. Longer windows fill as the flight is played. */
+const RECALLED_TICKS = 6000;
 
 export class Store {
   hello: Hello | null = null;
@@ -22,11 +25,15 @@ export class Store {
   gaps: TickSpan[] = [];
   events: EventInfo[] = [];
   private columns = new Map<string, number>();
+  /** Of the recording that is mirrored; null beside a simulated flight or a stream. */
+  private archive: Archive | null = null;
+  private recording: string | null = null;
 
   /** Starts over with what `hello` describes. */
   accept(hello: Hello): void {
     this.hello = hello;
     this.state = hello.state;
+    this.rememberRecording(hello);
     this.columns = new Map(hello.channels.map((channel, index) => [channel.name, index]));
     this.history = new History(HISTORY_TICKS, hello.channels.length);
     this.clear();
@@ -49,16 +56,21 @@ export class Store {
     else if (frame.rows > 0 && this.lastTick >= 0 && frame.firstTick > this.lastTick + 1) {
       this.gaps.push({ from: this.lastTick + 1, to: frame.firstTick - 1 });
     }
-    const reset = this.columns.get("reset");
+    if (frame.rows > 0 && this.history.length === 0) this.archive?.before(frame.firstTick, RECALLED_TICKS, this.push);
     for (let row = 0; row < frame.rows; row += 1) {
       const offset = row * frame.channelCount;
-      this.history.push(frame.firstTick + row, frame.channels, offset);
-      if (reset !== undefined && (frame.channels[offset + reset] ?? 0) > 0.5) this.resets.push(frame.firstTick + row);
+      this.push(frame.firstTick + row, frame.channels, offset);
+      this.archive?.put(frame.firstTick + row, frame.channels, offset);
     }
     this.forgetMarks();
     if (frame.rows > 0) this.lastTick = frame.firstTick + frame.rows - 1;
     this.newest = frame;
     return true;
+  }
+
+  /** Gains changed: what was drawn under others does not lead up to what comes. */
+  forgetDrawn(): void {
+    this.archive?.clear();
   }
 
   addEvents(events: EventInfo[]): void {
@@ -116,6 +128,20 @@ export class Store {
   rows(): string[] {
     const named = (this.hello?.channels ?? []).flatMap((channel) => (channel.row === null ? [] : [channel.row]));
     return [...new Set(named)];
+  }
+
+  private push = (tick: number, values: Float32Array, offset: number): void => {
+    this.history.push(tick, values, offset);
+    const reset = this.columns.get("reset");
+    if (reset !== undefined && (values[offset + reset] ?? 0) > 0.5) this.resets.push(tick);
+  };
+
+  /** A jump in a recording ends with a new description of the same; a stream may be judged anew, and is not looked back into. */
+  private rememberRecording({ mirror, channels }: Hello): void {
+    const recording = mirror === null || mirror === undefined || mirror.live ? null : JSON.stringify([mirror, channels]);
+    if (recording === this.recording) return;
+    this.recording = recording;
+    this.archive = recording === null ? null : new Archive(channels.length);
   }
 
   private forgetRows(): void {
