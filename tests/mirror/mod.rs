@@ -10,3 +10,5 @@ mod misfits;
 mod program;
 mod real;
 pub(crate) mod round_trip;
+mod transforms;
+mod turned;
