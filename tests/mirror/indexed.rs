@@ -1,14 +1,13 @@
 //! Long flights, read part by part through the index of their file, against the same flights read whole.
 
 use std::io::Cursor;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use twin::mirror::film::Footage;
 use twin::mirror::stretches::LONG_S;
-use twin::mirror::{OpenedFlight, RecordedFlight, Recorder, RecordingEnd};
-use twin::scenario::{Scenario, Shadow};
-use twin::tick::Tick;
+use twin::mirror::{OpenedFlight, RecordedFlight};
+use twin::scenario::Shadow;
 
 use super::made::{Form, PLAIN, file, flight};
 
@@ -18,17 +17,22 @@ const LONG: Form = Form { seconds: LONG_S + 30.0, hole_s: Some((53.0, 55.5)), ..
 /// Filters that started 4 s earlier or at the start of the flight: rounding of accelerations of some m/s².
 const ROUNDING: f64 = 1e-9;
 
-fn both(path: &Path) -> (OpenedFlight, OpenedFlight) {
+pub(super) fn both(path: &Path) -> (OpenedFlight, OpenedFlight) {
     let long = OpenedFlight::open(path, None).expect("a flight");
     (long, OpenedFlight::open_whole(path, None).expect("a flight"))
 }
 
-fn footage(opened: &OpenedFlight) -> &Arc<dyn Footage> {
+pub(super) fn footage(opened: &OpenedFlight) -> &Arc<dyn Footage> {
     opened.long.as_ref().expect("it is long and has chunks")
 }
 
 /// The rows of `part` are those of `whole` from tick `from` on, numbers that need no fit to `tolerance`.
-fn assert_same(part: &RecordedFlight, whole: &RecordedFlight, from: usize, tolerance: f64) {
+pub(super) fn assert_same(
+    part: &RecordedFlight,
+    whole: &RecordedFlight,
+    from: usize,
+    tolerance: f64,
+) {
     for (i, instant) in part.instants.iter().enumerate() {
         let (tick, other) = (from + i, &whole.instants[from + i]);
         assert_eq!(part.times_s[i].to_bits(), whole.times_s[tick].to_bits(), "{tick}");
@@ -155,47 +159,6 @@ fn a_damaged_chunk_far_inside_is_unknown_when_it_is_played_and_said_once() {
         assert!((20..400).contains(&unknown), "{unknown}");
         let said = footage.troubles();
         assert_eq!(said.len(), usize::from(repeat == 0), "{said:?}");
-    }
-}
-
-/// An own recording of so many ticks, made of a short flight whose ticks are counted on.
-fn own(name: &str, ticks: u64) -> PathBuf {
-    let hover = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/hover.toml");
-    let scenario = Scenario::load(&hover, &[]).expect("a scenario");
-    let mut flight = scenario.build().expect("a flight");
-    let flown: Vec<Tick> = (0..200).map(|_| flight.tick()).collect();
-    let path = file(name, b"");
-    let info = scenario.recording_info(flight.tuning()).expect("it can be recorded");
-    let mut recorder = Recorder::create(&path, &info).expect("a file");
-    for index in 0..ticks {
-        let mut tick = flown[index as usize % flown.len()].clone();
-        tick.index = index;
-        tick.measurement.t_s = index as f64 * twin::notation::TICK_S;
-        // No two ticks are the same, so a tick in the wrong place shows.
-        tick.measurement.chi[0] += index as f64 * 1e-6;
-        recorder.record(Arc::new(tick)).expect("recorded");
-    }
-    recorder.finish(RecordingEnd::default()).expect("written");
-    path
-}
-
-#[test]
-fn a_long_recording_of_this_program_comes_back_bit_for_bit_also_without_its_end() {
-    let path = own("long_own.mcap", 13_000);
-    let bytes = std::fs::read(&path).expect("it is there");
-    let cut = file("long_own_cut.mcap", &bytes[..bytes.len() - bytes.len() / 50]);
-    for path in [path, cut] {
-        let (long, whole) = both(&path);
-        let footage = footage(&long);
-        assert!(long.is_own());
-        // Read whole, the last chunk of a cut file is left out; by the index its whole records are used.
-        let last = whole.recorded.instants.len();
-        assert!(last > 12_500 && footage.ticks() >= last, "{last} {}", footage.ticks());
-        for (from, to) in [(0, 500), (5_950, 6_100), (last - 130, last)] {
-            assert_same(&footage.part(from, to), &whole.recorded, from, 0.0);
-        }
-        assert_eq!(long.recorded.nominal_inertia, whole.recorded.nominal_inertia);
-        assert!(footage.troubles().is_empty());
     }
 }
 

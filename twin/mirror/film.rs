@@ -1,13 +1,13 @@
 //! A recorded flight as the loop reads it, tick by tick: held whole, or block by block around the playhead.
 //!
 //! A block depends on the file and its number alone, so a moment is the same however one comes to it. A thread reads the next
-//! block while one is played; a jump waits for the first of its blocks.
+//! blocks while one is played; a jump waits for the first of its blocks.
 
-use std::collections::VecDeque;
 use std::fmt::Debug;
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
 
+use super::kept::Kept;
 use super::recorded::{Instant, RecordedFlight};
 use crate::notation::{Coords, N, wrap_angle};
 use crate::source::{Disturbance, InnerLoop, Source};
@@ -16,11 +16,11 @@ use crate::tick::{GripperReading, Measurement, Setpoint, Truth};
 /// Ticks of a block: 5 s.
 const BLOCK_TICKS: usize = 500;
 
-/// Blocks that are kept: a run-up, what follows it and what was played last.
-const KEPT_BLOCKS: usize = 12;
+/// Ticks that are kept: a run-up, what follows it and what was played last.
+const KEPT_TICKS: usize = 6000;
 
-/// Blocks that may wait to be read ahead.
-const WANTED_BLOCKS: usize = 4;
+/// Ticks that are read ahead.
+const AHEAD_TICKS: usize = 500;
 
 /// The row of the yaw.
 const PSI: usize = 5;
@@ -80,7 +80,7 @@ pub struct Film {
 #[derive(Debug)]
 enum Store {
     Whole(Arc<[Frame]>),
-    Blocks { shelf: Arc<Shelf>, wanted: SyncSender<usize> },
+    Blocks { shelf: Arc<Shelf>, wanted: Sender<usize> },
 }
 
 /// Blocks that were read.
@@ -88,8 +88,7 @@ enum Store {
 struct Shelf {
     footage: Arc<dyn Footage>,
     nominal: Nominal,
-    /// Last used last.
-    blocks: Mutex<VecDeque<(usize, Arc<[Frame]>)>>,
+    blocks: Kept<Arc<[Frame]>>,
 }
 
 impl Film {
@@ -103,8 +102,8 @@ impl Film {
     pub fn of(footage: &Arc<dyn Footage>, nominal: Nominal) -> Self {
         let footage = Arc::clone(footage);
         let ticks = footage.ticks();
-        let shelf = Arc::new(Shelf { footage, nominal, blocks: Mutex::default() });
-        let (wanted, orders) = sync_channel(WANTED_BLOCKS);
+        let shelf = Arc::new(Shelf::new(footage, nominal));
+        let (wanted, orders) = channel();
         let reader = Arc::clone(&shelf);
         let thread = std::thread::Builder::new().name("film".to_owned());
         // Without the thread each block is read when it is played.
@@ -157,57 +156,52 @@ impl Film {
         }
     }
 
-    /// Has the block after that of `tick` read in the background.
+    /// Has the blocks after that of `tick` read in the background.
     fn read_after(&self, tick: usize) {
         if let Store::Blocks { wanted, shelf } = &self.store
             && !shelf.footage.is_live()
         {
-            // A full queue means that the thread is behind anyway.
-            let _ = wanted.try_send(tick / shelf.footage.block_ticks() + 1);
+            // Without the thread nothing is read ahead.
+            let _ = wanted.send(tick / shelf.footage.block_ticks() + 1);
         }
     }
 }
 
+/// Reads the blocks from each number that is ordered on, until another one is.
 fn read_ahead(shelf: &Shelf, orders: &Receiver<usize>) {
-    for number in orders {
-        if number * shelf.footage.block_ticks() < shelf.footage.ticks() {
-            shelf.block(number, 0);
+    let blocks = AHEAD_TICKS.div_ceil(shelf.footage.block_ticks());
+    while let Ok(mut first) = orders.recv() {
+        let mut next = 0;
+        while next < blocks {
+            // What was ordered last is where the flight is.
+            if let Some(newer) = orders.try_iter().last() {
+                (first, next) = (newer, 0);
+            }
+            let number = first + next;
+            if number * shelf.footage.block_ticks() < shelf.footage.ticks() {
+                shelf.block(number, 0);
+            }
+            next += 1;
         }
     }
 }
 
 impl Shelf {
-    fn blocks(&self) -> MutexGuard<'_, VecDeque<(usize, Arc<[Frame]>)>> {
-        // Whoever failed left whole blocks.
-        self.blocks.lock().unwrap_or_else(PoisonError::into_inner)
+    fn new(footage: Arc<dyn Footage>, nominal: Nominal) -> Self {
+        let blocks = Kept::new(KEPT_TICKS / footage.block_ticks());
+        Self { footage, nominal, blocks }
     }
 
-    fn found(&self, number: usize) -> Option<Arc<[Frame]>> {
-        let mut blocks = self.blocks();
-        let at = blocks.iter().position(|(known, _)| *known == number)?;
-        let block = blocks.remove(at)?;
-        let frames = Arc::clone(&block.1);
-        blocks.push_back(block);
-        Some(frames)
-    }
-
-    /// The block from the shelf if it reaches to its tick `within`, else from the file; the shelf is not locked meanwhile.
+    /// The block from the shelf if it reaches to its tick `within`, else from the file. Of a flight that goes on the newest block
+    /// may be there with fewer ticks.
     fn block(&self, number: usize, within: usize) -> Arc<[Frame]> {
-        if let Some(frames) = self.found(number).filter(|frames| frames.len() > within) {
-            return frames;
-        }
         let ticks = self.footage.block_ticks();
-        let from = number * ticks;
-        let to = (from + ticks).min(self.footage.ticks()).max(from);
-        let read: Arc<[Frame]> = frames(&self.footage.part(from, to), &self.nominal).into();
-        let mut blocks = self.blocks();
-        // Of a flight that goes on the newest block may be there already, with fewer ticks.
-        blocks.retain(|(known, _)| *known != number);
-        blocks.push_back((number, Arc::clone(&read)));
-        if blocks.len() > KEPT_BLOCKS {
-            blocks.pop_front();
-        }
-        read
+        let read = || {
+            let from = number * ticks;
+            let to = (from + ticks).min(self.footage.ticks()).max(from);
+            frames(&self.footage.part(from, to), &self.nominal).into()
+        };
+        self.blocks.get(number, |frames| frames.len() > within, read)
     }
 }
 

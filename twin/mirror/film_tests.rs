@@ -87,16 +87,16 @@ fn yaw_goes_on_over_the_edges_of_blocks_and_unknown_coordinates_stay_as_they_wer
 fn a_block_on_the_shelf_is_not_read_again_and_the_shelf_is_bounded() {
     let turning = Arc::new(Turning::default());
     let footage: Arc<dyn Footage> = turning.clone();
-    let shelf = Shelf { footage, nominal: nothing(), blocks: Mutex::default() };
+    let shelf = Shelf::new(footage, nothing());
     for _ in 0..3 {
         for number in 0..4 {
             shelf.block(number, 0);
         }
     }
     assert_eq!(turning.reads.load(Ordering::Relaxed), 4);
-    for number in 0..5 * KEPT_BLOCKS {
-        shelf.block(number % 5, 0);
-        assert!(shelf.blocks().len() <= KEPT_BLOCKS);
+    for number in 0..10 * KEPT_TICKS / BLOCK_TICKS {
+        shelf.block(number, 0);
+        assert!(shelf.blocks.len() * BLOCK_TICKS <= KEPT_TICKS);
     }
     assert_eq!(shelf.block(4, 0).len(), TICKS - 4 * BLOCK_TICKS);
 }

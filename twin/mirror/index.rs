@@ -287,6 +287,7 @@ fn define<'a>(
 /// Keeps where these chunks lie.
 fn place(table: &mut Table, chunks: Vec<ChunkIndex>) {
     for chunk in chunks {
+        let counts = counted(&chunk).unwrap_or_default();
         let name = if chunk.compression.is_empty() { "none".into() } else { chunk.compression };
         table.findings.compressions.insert(name);
         let (first, last) = (chunk.message_start_time, chunk.message_end_time);
@@ -296,10 +297,30 @@ fn place(table: &mut Table, chunks: Vec<ChunkIndex>) {
             at: chunk.chunk_start_offset,
             length: chunk.chunk_length,
             span_ns: (!empty && first <= last).then_some((first, last)),
+            counts,
             indexes: chunk.message_index_offsets,
-            ..Place::default()
+            cut: false,
         });
     }
     table.chunks.sort_by_key(|place| place.at);
     table.findings.chunks = table.chunks.len() as u64;
+}
+
+/// Messages per channel of a chunk, from where its message indexes lie, which follow it without a hole; `None` if they do not.
+/// Reading those indexes would go through the whole file.
+fn counted(chunk: &ChunkIndex) -> Option<BTreeMap<u16, u64>> {
+    let begin = chunk.chunk_start_offset.checked_add(chunk.chunk_length)?;
+    let end = begin.checked_add(chunk.message_index_length)?;
+    let mut indexes: Vec<(u64, u16)> =
+        chunk.message_index_offsets.iter().map(|(channel, at)| (*at, *channel)).collect();
+    indexes.sort_unstable();
+    if indexes.first()?.0 != begin {
+        return None;
+    }
+    let ends = indexes.iter().skip(1).map(|(at, _)| *at).chain([end]);
+    let count = |((at, channel), end): (&(u64, u16), u64)| {
+        let entries = end.checked_sub(*at)?.checked_sub(scan::MESSAGE_INDEX_HEAD_BYTES as u64)?;
+        (entries % scan::ENTRY_BYTES == 0).then_some((*channel, entries / scan::ENTRY_BYTES))
+    };
+    indexes.iter().zip(ends).map(count).collect()
 }

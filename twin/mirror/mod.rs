@@ -19,6 +19,7 @@ mod grid;
 mod idl;
 mod index;
 mod inertial;
+mod kept;
 pub mod live;
 mod lossless;
 pub mod opened;

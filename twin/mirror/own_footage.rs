@@ -1,20 +1,29 @@
 //! A long flight that this program recorded, read part by part through its index: measurements as they are, nothing resampled.
 
 use std::collections::BTreeSet;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use mcap::records::Record;
 
 use super::container::Findings;
 use super::film::Footage;
 use super::index::Index;
-use super::lossless;
+use super::kept::Kept;
 use super::recorded::{Instant, MOST_TICKS, RecordedFlight};
 use super::recording::{MEASUREMENT_TOPIC, METADATA_END, METADATA_START, MIRRORED, TICK_TOPIC};
-use super::replayed::{as_recorded, instant, joint_names, nominal_inertia};
+use super::replayed::{Moved, as_recorded, joint_names, nominal_inertia};
 use super::stretches::{STRETCH_S, STRETCHES};
 use crate::notation::{Coords, TICK_S};
-use crate::tick::{Measurement, Tick};
+
+/// Ticks that are read at once: as many as the recorder puts into a chunk. A measurement needs nothing of those around it, so less
+/// is read for a jump than of a flight that is resampled.
+const BLOCK_TICKS: usize = 100;
+
+/// Chunks that are kept read: a block may end inside one.
+const KEPT_CHUNKS: usize = 8;
+
+/// The ticks of a chunk; `None` cannot be read.
+type Ticks = Arc<[Option<Moved>]>;
 
 /// A long flight of this program.
 #[derive(Debug)]
@@ -29,6 +38,7 @@ pub(super) struct OwnFootage {
     joint_names: Vec<String>,
     /// Of a foreign flight in shadow: what is not a number is unknown.
     mirrored: bool,
+    chunks: Kept<Ticks>,
     troubles: Mutex<(Vec<String>, BTreeSet<usize>)>,
 }
 
@@ -59,7 +69,7 @@ impl OwnFootage {
         let nominal_inertia = told("gains").and_then(nominal_inertia);
         let joint_names = joint_names(told("joints"));
         let mirrored = told(MIRRORED).is_some();
-        let troubles = Mutex::default();
+        let (chunks, troubles) = (Kept::new(KEPT_CHUNKS), Mutex::default());
         Some(Self {
             index,
             channel,
@@ -68,6 +78,7 @@ impl OwnFootage {
             nominal_inertia,
             joint_names,
             mirrored,
+            chunks,
             troubles,
         })
     }
@@ -81,10 +92,20 @@ impl OwnFootage {
     pub(super) fn stretches(&self) -> RecordedFlight {
         let length = (STRETCH_S / TICK_S) as usize;
         let last = self.ticks().saturating_sub(length);
+        let starts = (0..STRETCHES as usize).map(|k| last * k / (STRETCHES as usize - 1));
+        // One after the other would be half of the time until something is seen.
+        let parts: Vec<RecordedFlight> = std::thread::scope(|scope| {
+            let part =
+                |from| scope.spawn(move || self.part(from, (from + length).min(self.ticks())));
+            let threads: Vec<_> = starts.map(part).collect();
+            let joined = threads.into_iter().map(|thread| match thread.join() {
+                Ok(part) => part,
+                Err(panic) => std::panic::resume_unwind(panic),
+            });
+            joined.collect()
+        });
         let mut all = self.as_recorded(Vec::new(), Vec::new());
-        for k in 0..STRETCHES as usize {
-            let from = last * k / (STRETCHES as usize - 1);
-            let part = self.part(from, (from + length).min(self.ticks()));
+        for part in parts {
             all.times_s.extend(part.times_s);
             all.instants.extend(part.instants);
             all.airborne.extend(part.airborne);
@@ -96,11 +117,37 @@ impl OwnFootage {
         as_recorded(times_s, instants, self.nominal_inertia, self.joint_names.clone())
     }
 
-    fn measurement(&self, data: &[u8]) -> Result<Measurement, serde_json::Error> {
-        if self.whole_ticks {
-            return lossless::from_json::<Tick>(data).map(|tick| tick.measurement);
+    /// The ticks of chunk `number`, as many as the index says.
+    fn chunk(&self, number: usize) -> Ticks {
+        self.chunks.get(number, |_| true, || self.read(number).into())
+    }
+
+    fn read(&self, number: usize) -> Vec<Option<Moved>> {
+        let (first, expected) =
+            (self.before[number], self.before[number + 1] - self.before[number]);
+        let mut ticks = Vec::with_capacity(expected);
+        let mut wrong = None;
+        let end = self.index.unpack(number, &mut |record| {
+            if let Record::Message { header, data } = record
+                && header.channel_id == self.channel
+            {
+                let found = Moved::from_json(&data, self.whole_ticks, self.mirrored);
+                if let Err(error) = &found {
+                    wrong = Some(format!("tick {}: {error}", first + ticks.len()));
+                }
+                ticks.push(found.ok());
+            }
+        });
+        let miscounted = || {
+            let (at, found) = (self.index.table.chunks[number].at, ticks.len());
+            format!("the chunk at byte {at} holds {found} ticks, its index says {expected}")
+        };
+        let wrong = end.err().or(wrong).or_else(|| (ticks.len() != expected).then(miscounted));
+        if let Some(why) = wrong {
+            self.trouble(number, why);
         }
-        lossless::from_json(data)
+        ticks.resize(expected, None);
+        ticks
     }
 
     fn trouble(&self, number: usize, why: String) {
@@ -117,43 +164,31 @@ impl Footage for OwnFootage {
     }
 
     fn part(&self, from: usize, to: usize) -> RecordedFlight {
-        let mut found: Vec<Option<Measurement>> = vec![None; to - from];
+        let mut found: Vec<Option<Moved>> = Vec::with_capacity(to - from);
         let first = self.before.partition_point(|before| *before <= from).saturating_sub(1);
         let chunks = first..self.before.len() - 1;
         for number in chunks.take_while(|number| self.before[*number] < to) {
-            let mut tick = self.before[number];
-            let mut unreadable = None;
-            let end = self.index.unpack(number, &mut |record| {
-                if let Record::Message { header, data } = record
-                    && header.channel_id == self.channel
-                {
-                    if let Some(place) = tick.checked_sub(from).and_then(|at| found.get_mut(at)) {
-                        match self.measurement(&data) {
-                            Ok(measurement) => *place = Some(measurement),
-                            Err(error) => unreadable = Some(format!("tick {tick}: {error}")),
-                        }
-                    }
-                    tick += 1;
-                }
-            });
-            if let Some(why) = end.err().or(unreadable) {
-                self.trouble(number, why);
-            }
+            let within = |tick: usize| {
+                tick.clamp(self.before[number], self.before[number + 1]) - self.before[number]
+            };
+            found.extend_from_slice(&self.chunk(number)[within(from)..within(to)]);
         }
         let mut last_s = from as f64 * TICK_S - TICK_S;
-        let time_s = |measurement: &Option<Measurement>| {
-            last_s = measurement.as_ref().map_or(last_s + TICK_S, |m| m.t_s);
+        let time_s = |moved: &Option<Moved>| {
+            last_s = moved.as_ref().map_or(last_s + TICK_S, |moved| moved.t_s);
             last_s
         };
         let times_s = found.iter().map(time_s).collect();
-        let instants = found
-            .iter()
-            .map(|m| m.as_ref().map_or_else(Instant::default, |m| instant(m, self.mirrored)));
+        let instants = found.into_iter().map(|moved| moved.unwrap_or_default().instant);
         self.as_recorded(times_s, instants.collect())
     }
 
     fn troubles(&self) -> Vec<String> {
         let mut troubles = self.troubles.lock().unwrap_or_else(PoisonError::into_inner);
         std::mem::take(&mut troubles.0)
+    }
+
+    fn block_ticks(&self) -> usize {
+        BLOCK_TICKS
     }
 }

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use serde::{Deserialize, Deserializer};
+
 use super::effort::Effort;
 use super::recorded::{ARM_ROWS, Derivation, Instant, RecordedFlight};
 use super::recording::{Recording, RecordingError, read_recording};
@@ -69,6 +71,62 @@ pub(super) fn instant(measurement: &Measurement, mirrored: bool) -> Instant {
     instant
 }
 
+/// Motion and force of a recorded tick: all that a mirror takes of it.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Moved {
+    /// Time, s.
+    pub(super) t_s: f64,
+    /// The tick; of a `mirrored` flight what is not a number is unknown, of another it is NaN.
+    pub(super) instant: Instant,
+}
+
+/// A measurement with `null` where it is not a number.
+#[derive(Deserialize)]
+struct Text {
+    // An absent field would pass for a `null` otherwise.
+    #[serde(deserialize_with = "number")]
+    t_s: Option<f64>,
+    chi: [Option<f64>; N],
+    chi_dot: [Option<f64>; N],
+    chi_ddot: [Option<f64>; N],
+    tau_applied: [Option<f64>; N],
+}
+
+/// A tick of which the measurement alone is read.
+#[derive(Deserialize)]
+struct WholeText {
+    measurement: Text,
+}
+
+fn number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
+    Option::deserialize(deserializer)
+}
+
+impl Moved {
+    /// Of the JSON of a measurement, or of a whole tick. The same numbers as of the records themselves, without reading the rest.
+    pub(super) fn from_json(
+        text: &[u8],
+        is_whole_tick: bool,
+        mirrored: bool,
+    ) -> Result<Self, serde_json::Error> {
+        let read = if is_whole_tick {
+            serde_json::from_slice::<WholeText>(text)?.measurement
+        } else {
+            serde_json::from_slice::<Text>(text)?
+        };
+        let known = |values: [Option<f64>; N]| {
+            if mirrored { values } else { values.map(|value| value.or(Some(f64::NAN))) }
+        };
+        let instant = Instant {
+            chi: known(read.chi),
+            chi_dot: known(read.chi_dot),
+            chi_ddot: known(read.chi_ddot),
+            tau: known(read.tau_applied),
+        };
+        Ok(Self { t_s: read.t_s.unwrap_or(f64::NAN), instant })
+    }
+}
+
 /// The arm's joints by the names of the URDF, as the metadata `joints` tells them; recordings that do not tell them have them by
 /// the names of their rows.
 pub(super) fn joint_names(told: Option<&str>) -> Vec<String> {
@@ -85,4 +143,41 @@ pub fn recorded_nominal_inertia(recording: &Recording) -> Option<Coords> {
 pub(super) fn nominal_inertia(gains: &str) -> Option<Coords> {
     let gains: serde_json::Value = serde_json::from_str(gains).ok()?;
     serde_json::from_value(gains.get("gains")?.get("nominal_inertia")?.clone()).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mirror::{fixture, lossless};
+
+    #[test]
+    fn what_is_read_of_the_text_alone_is_what_the_record_says_bit_for_bit() {
+        let bits = |instant: &Instant| {
+            let all = [instant.chi, instant.chi_dot, instant.chi_ddot, instant.tau];
+            all.map(|values| values.map(|value| value.map(f64::to_bits)))
+        };
+        for (mirrored, hole) in [(false, 0.25), (false, f64::NAN), (true, 0.25), (true, f64::NAN)] {
+            let mut tick = fixture::tick(3);
+            tick.measurement.chi[1] = hole;
+            tick.measurement.tau_applied[7] = hole;
+            tick.measurement.chi_ddot[0] = f64::from_bits(0x3FB9_9999_9999_999A);
+            let whole = serde_json::to_vec(&tick).unwrap();
+            let alone = serde_json::to_vec(&tick.measurement).unwrap();
+            let record: Measurement = lossless::from_json(&alone).unwrap();
+            for (text, is_whole_tick) in [(whole, true), (alone, false)] {
+                let moved = Moved::from_json(&text, is_whole_tick, mirrored).unwrap();
+                assert_eq!(bits(&moved.instant), bits(&instant(&record, mirrored)), "{hole}");
+                assert_eq!(moved.t_s.to_bits(), record.t_s.to_bits());
+            }
+        }
+    }
+
+    #[test]
+    fn text_that_is_no_measurement_is_an_error() {
+        let mut tick = serde_json::to_value(&fixture::tick(0).measurement).unwrap();
+        tick.as_object_mut().unwrap().remove("t_s");
+        for text in ["", "{", "null", "[]", r#"{"t_s":1.0}"#, &tick.to_string()] {
+            assert!(Moved::from_json(text.as_bytes(), false, false).is_err(), "{text}");
+        }
+    }
 }

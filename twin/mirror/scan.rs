@@ -20,7 +20,7 @@ const METADATA: u8 = 0x0C;
 pub(super) const MESSAGE_INDEX_HEAD_BYTES: usize = HEAD_BYTES + 2 + 4;
 
 /// Bytes of an entry: log time and offset.
-const ENTRY_BYTES: u64 = 16;
+pub(super) const ENTRY_BYTES: u64 = 16;
 
 /// Times, size and checksum before the name of a chunk's compression.
 const CHUNK_HEAD_BYTES: u64 = 8 + 8 + 8 + 4;

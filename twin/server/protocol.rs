@@ -322,7 +322,8 @@ pub struct StateInfo {
     pub wind_m_s: [f64; 3],
     /// Effects that are switched off.
     pub effects_off: Vec<String>,
-    /// The twin that flew beside a mirrored recording until now; `null` if a simulated vehicle flies.
+    /// The twin that flew beside a mirrored recording until now; `null` if a simulated vehicle flies, and until the first tick after
+    /// a jump is flown.
     pub twin: Option<Box<TwinInfo>>,
 }
 

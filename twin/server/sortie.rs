@@ -50,6 +50,8 @@ pub(super) struct Sortie {
     push_ends: u64,
     /// Number of the next tick.
     pub next_tick: u64,
+    /// A tick was flown.
+    has_flown: bool,
     /// Simulated time of the last tick, s.
     pub t_s: f64,
     /// Phase of the task.
@@ -82,6 +84,7 @@ impl Sortie {
             flight,
             scenario,
             next_tick: 0,
+            has_flown: false,
             t_s: 0.0,
             task_phase: String::new(),
             verdict: None,
@@ -115,6 +118,7 @@ impl Sortie {
             flight,
             scenario,
             next_tick: first as u64,
+            has_flown: false,
             t_s: first as f64 * TICK_S,
             task_phase: String::new(),
             verdict: None,
@@ -186,8 +190,10 @@ impl Sortie {
         if self.mirrored.as_ref().is_some_and(|mirrored| mirrored.is_lost()) {
             STREAM_LOST.clone_into(&mut state.task_phase);
         }
-        let flown = self.next_tick.saturating_sub(1) as usize;
-        state.twin = self.mirrored.as_ref().map(|mirrored| Box::new(mirrored.beside(flown)));
+        // Before its first tick there is nothing to be beside of; of the tick before it nobody asked.
+        let last = self.next_tick.checked_sub(1).filter(|_| self.has_flown);
+        let beside = |tick| Some(Box::new(self.mirrored.as_ref()?.beside(tick as usize)));
+        state.twin = last.and_then(beside);
         state.verdict = verdict;
         state.reason = reason;
         self.world.describe(state);
@@ -196,6 +202,7 @@ impl Sortie {
     /// The flight has flown `tick`.
     pub(super) fn follow(&mut self, tick: &Tick) {
         self.next_tick = tick.index + 1;
+        self.has_flown = true;
         self.t_s = tick.measurement.t_s;
         self.world.advance(self.t_s);
         if tick.index.is_multiple_of(SPECTRUM_TICKS) || tick.adapted.reset {

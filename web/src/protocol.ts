@@ -415,7 +415,8 @@ wind_m_s: [number, number, number],
  */
 effects_off: Array<string>, 
 /**
- * The twin that flew beside a mirrored recording until now; `null` if a simulated vehicle flies.
+ * The twin that flew beside a mirrored recording until now; `null` if a simulated vehicle flies, and until the first tick after
+ * a jump is flown.
  */
 twin: TwinInfo | null, };
 

@@ -1,0 +1,198 @@
+//! Long recordings of this program, read part by part through the index of their file: the same numbers bit for bit, whatever the
+//! chunks of the file are like.
+
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use mcap::{Compression, Message, WriteOptions};
+use twin::mirror::{OpenedFlight, Recorder, RecordingEnd};
+use twin::scenario::Scenario;
+use twin::tick::Tick;
+
+use super::indexed::{assert_same, both, footage};
+use super::made::file;
+
+/// Longer than what is read whole.
+const TICKS: u64 = 13_000;
+
+/// An own recording of so many ticks, made of a short flight whose ticks are counted on.
+fn own(name: &str, ticks: u64) -> PathBuf {
+    let hover = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/hover.toml");
+    let scenario = Scenario::load(&hover, &[]).expect("a scenario");
+    let mut flight = scenario.build().expect("a flight");
+    let flown: Vec<Tick> = (0..200).map(|_| flight.tick()).collect();
+    let path = file(name, b"");
+    let info = scenario.recording_info(flight.tuning()).expect("it can be recorded");
+    let mut recorder = Recorder::create(&path, &info).expect("a file");
+    for index in 0..ticks {
+        let mut tick = flown[index as usize % flown.len()].clone();
+        tick.index = index;
+        tick.measurement.t_s = index as f64 * twin::notation::TICK_S;
+        // No two ticks are the same, so a tick in the wrong place shows.
+        tick.measurement.chi[0] += index as f64 * 1e-6;
+        recorder.record(Arc::new(tick)).expect("recorded");
+    }
+    recorder.finish(RecordingEnd::default()).expect("written");
+    path
+}
+
+#[test]
+fn a_long_recording_of_this_program_comes_back_bit_for_bit_also_without_its_end() {
+    let path = own("long_own.mcap", 13_000);
+    let bytes = std::fs::read(&path).expect("it is there");
+    let cut = file("long_own_cut.mcap", &bytes[..bytes.len() - bytes.len() / 50]);
+    for path in [path, cut] {
+        let (long, whole) = both(&path);
+        let footage = footage(&long);
+        assert!(long.is_own());
+        // Read whole, the last chunk of a cut file is left out; by the index its whole records are used.
+        let last = whole.recorded.instants.len();
+        assert!(last > 12_500 && footage.ticks() >= last, "{last} {}", footage.ticks());
+        for (from, to) in [(0, 500), (5_950, 6_100), (last - 130, last)] {
+            assert_same(&footage.part(from, to), &whole.recorded, from, 0.0);
+        }
+        assert_eq!(long.recorded.nominal_inertia, whole.recorded.nominal_inertia);
+        assert!(footage.troubles().is_empty());
+    }
+}
+
+/// The messages of `path` in another file, in another order.
+fn rewritten(
+    path: &Path,
+    name: &str,
+    options: WriteOptions,
+    reorder: impl FnOnce(&mut Vec<Message<'_>>),
+) -> PathBuf {
+    let bytes = std::fs::read(path).expect("it is there");
+    let stream = mcap::MessageStream::new(&bytes).expect("an MCAP file");
+    let mut messages: Vec<Message<'_>> = stream.map(|message| message.expect("whole")).collect();
+    reorder(&mut messages);
+    let mut writer = options.compression_threads(0).create(Cursor::new(Vec::new())).expect("begun");
+    for message in &messages {
+        writer.write(message).expect("written");
+    }
+    writer.finish().expect("ended");
+    file(name, &writer.into_inner().into_inner())
+}
+
+/// Chunks of a hundred kilobytes hold some ten ticks, and none begins where a block does.
+fn small() -> WriteOptions {
+    WriteOptions::new().chunk_size(Some(100_000))
+}
+
+#[test]
+fn chunks_of_any_size_and_kind_hold_the_same_flight() {
+    let path = own("own_as_recorded.mcap", TICKS);
+    let wanted = OpenedFlight::open_whole(&path, None).expect("a flight").recorded;
+    for (name, options) in [
+        ("own_lz4.mcap", small().compression(Some(Compression::Lz4))),
+        ("own_none.mcap", small().compression(None)),
+        ("own_large.mcap", WriteOptions::new().chunk_size(Some(30_000_000))),
+        ("own_no_summary.mcap", small().emit_summary_records(false)),
+    ] {
+        let path = rewritten(&path, name, options, |_| ());
+        let opened = OpenedFlight::open(&path, None).expect("a flight");
+        let footage = footage(&opened);
+        assert_eq!(footage.ticks(), wanted.instants.len(), "{name}");
+        // In the order of a flight, of jumps, and over the end of a chunk in each of them.
+        for (from, to) in [(0, 100), (100, 200), (12_345, 13_000), (5_950, 6_100), (200, 200)] {
+            assert_eq!(footage.part(from, to).instants.len(), to - from, "{name}");
+            assert_same(&footage.part(from, to), &wanted, from, 0.0);
+        }
+        assert!(footage.troubles().is_empty(), "{name}");
+    }
+    // Without any index there is nothing to read it by.
+    let options = small().emit_message_indexes(false);
+    let path = rewritten(&path, "own_no_index.mcap", options, |_| ());
+    let opened = OpenedFlight::open(&path, None).expect("a flight");
+    assert!(opened.long.is_none());
+    assert_same(&opened.recorded, &wanted, 0, 0.0);
+}
+
+#[test]
+fn chunks_that_overlap_in_time_are_read_in_the_order_of_the_file() {
+    let path = own("own_in_order.mcap", TICKS);
+    // Of every four seconds the even ticks, then the odd ones: several chunks each, of the same time.
+    let interleave = |messages: &mut Vec<Message<'_>>| {
+        messages.sort_by_key(|message| (message.sequence / 400, message.sequence % 2));
+    };
+    let path = rewritten(&path, "own_overlapping.mcap", small(), interleave);
+    let (long, whole) = both(&path);
+    let footage = footage(&long);
+    assert_eq!(footage.ticks(), whole.recorded.instants.len());
+    assert_same(&footage.part(3_950, 4_850), &whole.recorded, 3_950, 0.0);
+    assert!(whole.recorded.times_s.windows(2).any(|pair| pair[1] < pair[0]), "they do overlap");
+    assert!(footage.troubles().is_empty());
+}
+
+#[test]
+fn many_readers_at_once_read_what_one_reads() {
+    let path = own("own_readers.mcap", TICKS);
+    let (long, whole) = both(&path);
+    let footage = footage(&long);
+    std::thread::scope(|scope| {
+        for reader in 0..4 {
+            let whole = &whole.recorded;
+            // Each goes its own way over the same ticks.
+            scope.spawn(move || {
+                for k in 0..40 {
+                    let from = (k * (2 * reader + 1)) % 40 * 75;
+                    assert_same(&footage.part(from, from + 100), whole, from, 0.0);
+                }
+            });
+        }
+    });
+}
+
+/// Where the numbers of the summary's chunk indexes lie that say where the message index of the second channel of the chunk is.
+fn second_indexes(bytes: &[u8]) -> Vec<usize> {
+    let long = |at: usize| u64::from_le_bytes(bytes[at..at + 8].try_into().expect("eight"));
+    let mut at = 8;
+    let mut found = Vec::new();
+    while at + 9 < bytes.len() {
+        if bytes[at] == 0x08 {
+            // Times of the first and last message, place and length of the chunk, length of the map; each entry is a channel and
+            // a place, ten bytes. The second in the order of the file is meant.
+            let map = at + 9 + 4 * 8 + 4;
+            let length = u32::from_le_bytes(bytes[map - 4..map].try_into().expect("four"));
+            let mut places: Vec<usize> =
+                (0..length as usize / 10).map(|k| map + 10 * k + 2).collect();
+            places.sort_by_key(|place| long(*place));
+            found.push(places[1]);
+        }
+        at += 9 + long(at + 1) as usize;
+    }
+    found
+}
+
+#[test]
+fn an_index_that_miscounts_its_chunks_is_said_and_no_tick_is_made_up() {
+    // The ticks are the second channel of every chunk, and so is their message index.
+    let only_ticks = |messages: &mut Vec<Message<'_>>| {
+        messages.retain(|m| m.channel.topic == "/twin/tick" || m.channel.topic == "/tf");
+    };
+    let path = own("own_to_damage.mcap", TICKS);
+    let path = rewritten(&path, "own_two_channels.mcap", small(), only_ticks);
+    let mut bytes = std::fs::read(&path).expect("it is there");
+    let places = second_indexes(&bytes);
+    // One chunk claims a tick more, a later one a tick less: together they are what the file says.
+    let (more, less) = (places[places.len() / 3], places[places.len() / 2]);
+    for (place, step) in [(more, -16_i64), (less, 16)] {
+        let at = u64::from_le_bytes(bytes[place..place + 8].try_into().expect("eight"));
+        bytes[place..place + 8].copy_from_slice(&at.saturating_add_signed(step).to_le_bytes());
+    }
+    let (long, whole) = both(&file("own_miscounted.mcap", &bytes));
+    let footage = footage(&long);
+    let all = footage.part(0, footage.ticks());
+    let said = footage.troubles();
+    assert_eq!(said.len(), 2, "{said:?}");
+    assert!(said.iter().all(|text| text.contains("its index says")), "{said:?}");
+    // One tick is not there, one is left out, those between them come a tick late; the rest is in its place.
+    let unknown: Vec<usize> =
+        (0..all.instants.len()).filter(|tick| all.instants[*tick].chi[0].is_none()).collect();
+    assert_eq!(unknown.len(), 1, "{unknown:?}");
+    assert!(unknown[0] > 3_000 && unknown[0] < 6_000, "{unknown:?}");
+    assert_same(&footage.part(0, 3_000), &whole.recorded, 0, 0.0);
+    assert_same(&footage.part(9_000, 13_000), &whole.recorded, 9_000, 0.0);
+}
