@@ -26,14 +26,14 @@ pub(crate) const ODOMETRY: &str = "uint64 timestamp\nuint64 timestamp_sample\nui
 pub(crate) const THRUST: &str = "uint64 timestamp\nfloat32[3] xyz\n";
 
 /// Little-endian CDR: what ROS 2 writes.
-struct Cdr(Vec<u8>);
+pub(crate) struct Cdr(pub(crate) Vec<u8>);
 
 impl Cdr {
-    fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self(vec![0, 1, 0, 0])
     }
 
-    fn put<const D: usize>(mut self, bytes: [u8; D]) -> Self {
+    pub(crate) fn put<const D: usize>(mut self, bytes: [u8; D]) -> Self {
         while !(self.0.len() - 4).is_multiple_of(D) {
             self.0.push(0);
         }
@@ -41,7 +41,7 @@ impl Cdr {
         self
     }
 
-    fn floats(self, values: &[f64]) -> Self {
+    pub(crate) fn floats(self, values: &[f64]) -> Self {
         values.iter().fold(self, |cdr, v| cdr.put((*v as f32).to_le_bytes()))
     }
 }

@@ -11,3 +11,5 @@ mod own_indexed;
 mod program;
 mod real;
 pub(crate) mod round_trip;
+mod transforms;
+mod turned;

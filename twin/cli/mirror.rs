@@ -290,6 +290,7 @@ fn print(opened: &OpenedFlight, report: &ShadowReport) {
         recorded.acceleration[0], recorded.acceleration[1]
     );
     println!("  {}", opened.force_sentence());
+    println!("  {}", opened.torque_sentence());
     print_shadow(report);
 }
 

@@ -8,6 +8,7 @@ use super::series::Series;
 use super::signals::Signals;
 use super::thrust_fit::{AIRBORNE_SHARE, ThrustFit, delayed, fit, high};
 use super::topics::Quantity;
+use super::torque::Torque;
 use crate::notation::{GRAVITY_M_S2, world_from_body};
 
 /// Least thrust of a vehicle in the air, as a share of the largest.
@@ -31,6 +32,8 @@ pub enum Effort {
         input: Quantity,
         /// The fit.
         fit: ThrustFit,
+        /// What the normalised torques beside it are.
+        torque: Box<Torque>,
     },
     /// As the simulated vehicle that was recorded measured it.
     Recorded,
@@ -123,7 +126,11 @@ pub(super) fn effort(
                 settled.map_or_else(|| threshold(thrust, LEAST_THRUST), |s| s.threshold);
             Found {
                 body_force: delayed(thrust, times_s, fit.lag_s).iter().map(newtons).collect(),
-                effort: Effort::Fitted { input: *input, fit },
+                effort: Effort::Fitted {
+                    input: *input,
+                    fit,
+                    torque: Box::new(Torque::unknown(None, "not looked for")),
+                },
                 airborne: airborne(thrust, times_s, threshold),
                 threshold,
             }

@@ -4,6 +4,7 @@
 //! `topics` (what it means) → `gather` (numbers) → `signals` (one clock, ENU and FLU) → `recorded` (ticks of the loop) → `film`
 //! (what the loop reads). A long one is judged by `stretches` and goes the same way part by part, through an `index` of its file.
 
+mod attitude;
 pub mod cdr;
 pub mod clock;
 pub mod container;
@@ -38,6 +39,9 @@ pub mod stretches;
 pub mod survey;
 mod thrust_fit;
 pub mod topics;
+mod torque;
+mod torque_blocks;
+mod torque_fit;
 mod track;
 mod ulog;
 pub mod value;
@@ -56,3 +60,5 @@ pub use stand_in::stand_in;
 pub use survey::Survey;
 pub use thrust_fit::ThrustFit;
 pub use topics::{Map, MapError};
+pub use torque::Torque;
+pub use torque_fit::{TorqueAxis, TorqueFit};

@@ -279,9 +279,26 @@ impl OpenedFlight {
                 fit.lag_s,
                 fit.r2
             ),
-            Effort::Fitted { input, fit } => format!("force from {input:?}: {}", fit.sentence()),
+            Effort::Fitted { input, fit, .. } => {
+                format!("force from {input:?}: {}", fit.sentence())
+            }
             Effort::Recorded => "force as the simulated vehicle measured it".to_owned(),
             Effort::Unknown { why } => format!("no force is known: {why}"),
+        }
+    }
+
+    /// Where the torque comes from, in a sentence.
+    pub fn torque_sentence(&self) -> String {
+        match &self.recorded.effort {
+            Effort::Wrench { .. } if self.signals.torque.is_some() => {
+                "torque from the wrench in the log".to_owned()
+            }
+            Effort::Wrench { .. } => {
+                "no torque is known: the wrench in the log has none".to_owned()
+            }
+            Effort::Fitted { torque, .. } => torque.sentence(),
+            Effort::Recorded => "torque as the simulated vehicle measured it".to_owned(),
+            Effort::Unknown { .. } => "no torque is known: no force is".to_owned(),
         }
     }
 

@@ -154,15 +154,22 @@ pub(super) fn on_times(
     let mass_kg = settled.map_or_else(|| facts.mass_kg.unwrap_or(1.0), |settled| settled.mass_kg);
     let passes = of_translation.passes();
     let found = effort(signals, &times_s, &eta, &acceleration, passes, mass_kg, settled);
-    let effort = found.effort;
+    let mut effort = found.effort;
     // A wrench in N without a mass beside it: the mass that fits the flight.
     let mass_kg = match (&effort, facts.mass_kg) {
         (Effort::Wrench { fit: Some(fit) }, None) if fit.gain > 0.0 => 1.0 / fit.gain,
         _ => mass_kg,
     };
-    let torque: Ticks<3> = match (&effort, &signals.torque) {
+    let torque: Ticks<3> = match (&mut effort, &signals.torque) {
         (Effort::Wrench { .. }, Some(torque)) => {
             times_s.iter().map(|t| torque.linear(*t)).collect()
+        }
+        (Effort::Fitted { torque, .. }, _) => {
+            let flown = (times_s.as_slice(), &eta, found.airborne.as_slice());
+            let (gains, moments) =
+                super::torque::torque(signals, flown, of_rotation, facts.inertia_kg_m2, settled);
+            **torque = gains;
+            moments
         }
         _ => vec![None; times_s.len()],
     };
@@ -171,6 +178,13 @@ pub(super) fn on_times(
         per_attitude(&torque, &eta, |eta, m| body_rate_from_euler_rate(eta).transpose() * m);
     store(&mut instants, 0, &filtered_times(&force, of_translation.passes()), |i| &mut i.tau);
     store(&mut instants, 3, &filtered_times(&moment, of_rotation.passes()), |i| &mut i.tau);
+    if let Effort::Fitted { torque, .. } = &effort {
+        for row in (0..3).filter(|axis| !torque.known()[*axis]).map(|axis| 3 + axis) {
+            for instant in &mut instants {
+                instant.tau[row] = None;
+            }
+        }
+    }
     let acceleration = [of_translation, of_rotation];
     let joints = signals.joints.iter().flat_map(|(names, _)| names);
     RecordedFlight {
@@ -320,6 +334,16 @@ impl RecordedFlight {
     pub fn per_kilogram(&self, facts: &VehicleFacts) -> bool {
         let known = matches!(self.effort, Effort::Wrench { fit: Some(_) } | Effort::Recorded);
         facts.mass_kg.is_none() && !known
+    }
+
+    /// Inertia about the body axes that fitted torques are with, kg m²; `None` without any.
+    pub fn fitted_inertia(&self) -> Option<[f64; 3]> {
+        match &self.effort {
+            Effort::Fitted { torque, .. } if torque.known().contains(&true) => {
+                Some(torque.inertia_kg_m2)
+            }
+            _ => None,
+        }
     }
 
     /// Whether a residual of `row` is known at a tick in the air: on the ground it would be the floor that is learned.

@@ -2,25 +2,21 @@
 //!
 //! In: tracks. Out: [`Signals`]: a series per quantity, and what was chosen.
 
-use nalgebra::{Quaternion, SVector, UnitQuaternion, Vector3};
+use nalgebra::{SVector, UnitQuaternion};
 use serde::Serialize;
 
+use super::attitude::{attitude_of, tilt_at_rest, unwrapped, vector};
 use super::clock::{Clock, Timebase, common_ns, timebases};
 use super::frames;
 use super::gather::{Gathered, Track};
 use super::series::{Attitudes, Series, Timing};
 use super::topics::Quantity;
-use crate::notation::TICK_S;
 
 /// A source at this rate is good enough to be differentiated; below it the fastest source is taken.
 const GOOD_RATE_HZ: f64 = 40.0;
 
 /// A channel with fewer samples is no source.
 const FEWEST_SAMPLES: usize = 10;
-
-/// The first second, in ticks, and how far a vehicle at rest turns in it.
-const REST_SAMPLES: u32 = 100;
-const REST_RANGE_RAD: f64 = 0.02;
 
 /// What a quantity is read from.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -63,6 +59,10 @@ pub struct Signals {
     pub torque: Option<Series<3>>,
     /// Thrust along the body's z axis in an unknown unit, and what it is.
     pub thrust: Option<(Quantity, Series<1>)>,
+    /// Normalised torque in the body.
+    pub torque_setpoint: Option<Series<3>>,
+    /// Wanted roll, pitch and unwrapped yaw, rad.
+    pub attitude_setpoint: Option<Series<3>>,
     /// Battery, V.
     pub battery: Option<Series<1>>,
     /// What was chosen.
@@ -274,21 +274,8 @@ impl Chooser<'_> {
     fn attitudes(&self, number: usize) -> Attitudes {
         let track = &self.tracks[number];
         let body_from_marker = &self.signals.body_from_marker;
-        Attitudes::new(self.times(number).map(|(t_s, values)| {
-            let q = if let (Quantity::Quaternion, [w, x, y, z]) = (track.quantity, values) {
-                let q = Quaternion::new(*w, *x, *y, *z);
-                // A quaternion of zero is no attitude: it becomes NaN and is counted as not finite.
-                if (q.norm() - 1.0).abs() < 0.1 {
-                    UnitQuaternion::new_normalize(q)
-                } else {
-                    UnitQuaternion::new_unchecked(q * f64::NAN)
-                }
-            } else {
-                let v = vector(values);
-                UnitQuaternion::from_euler_angles(v.x, v.y, v.z)
-            };
-            (t_s, frames::attitude(&q, track.rule.world, track.rule.body) * body_from_marker)
-        }))
+        let times = self.times(number);
+        Attitudes::new(times.map(|(t_s, v)| (t_s, attitude_of(track, v) * body_from_marker)))
     }
 
     fn rates(&mut self) {
@@ -326,6 +313,18 @@ impl Chooser<'_> {
     fn effort(&mut self) {
         self.signals.force = self.vector(Quantity::Force, false);
         self.signals.torque = self.vector(Quantity::Torque, false);
+        if self.signals.force.is_none() {
+            self.signals.torque_setpoint = self.vector(Quantity::TorqueSetpoint, false);
+        }
+        if self.signals.torque_setpoint.is_some()
+            && let Some(number) = self.best(Quantity::AttitudeSetpoint)
+        {
+            let track = &self.tracks[number];
+            let turned = self.times(number).map(|(t_s, v)| (t_s, attitude_of(track, v)));
+            let series = Series::new(unwrapped(turned));
+            self.note_use(number, series.timing_read(self.unread_s));
+            self.signals.attitude_setpoint = Some(series);
+        }
         if let Some(number) = self.best(Quantity::Battery) {
             let series = self.series(number, |_, v| SVector::from([first(v)]));
             self.note_use(number, series.timing_read(self.unread_s));
@@ -348,26 +347,6 @@ impl Chooser<'_> {
             self.signals.thrust = Some((wanted, series));
         }
     }
-}
-
-/// Roll and pitch of the measured frame while the vehicle stands level and still in the first second; `None` if it moves.
-fn tilt_at_rest(attitudes: &Attitudes) -> Option<UnitQuaternion<f64>> {
-    let start_s = attitudes.span()?.0;
-    let at: Vec<UnitQuaternion<f64>> = (0..REST_SAMPLES)
-        .filter_map(|i| attitudes.slerp(start_s + f64::from(i) * TICK_S))
-        .collect();
-    let first = at.first()?;
-    let still = at.iter().all(|q| q.angle_to(first) < REST_RANGE_RAD);
-    (still && at.len() * 2 > REST_SAMPLES as usize).then(|| {
-        let mean = at.iter().fold(nalgebra::Vector4::zeros(), |sum, q| sum + q.into_inner().coords);
-        let mean = UnitQuaternion::from_quaternion(Quaternion::from(mean));
-        let (roll, pitch, _) = mean.euler_angles();
-        UnitQuaternion::from_euler_angles(roll, pitch, 0.0)
-    })
-}
-
-fn vector(values: &[f64]) -> Vector3<f64> {
-    Vector3::from_fn(|row, _| values.get(row).copied().unwrap_or(f64::NAN))
 }
 
 fn first(values: &[f64]) -> f64 {

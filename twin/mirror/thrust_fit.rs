@@ -10,14 +10,14 @@ use super::series::Series;
 use crate::notation::TICK_S;
 
 /// Longest lag that is tried, ticks.
-const LONGEST_LAG_TICKS: usize = 25;
+pub(super) const LONGEST_LAG_TICKS: usize = 25;
 
 /// Lags whose errors differ by less than this share of the squared force say the same (a constant thrust fits at any lag): the
 /// shortest is taken, so that a part of a flight and all of it take the same.
 const SAME_SHARE: f64 = 1e-7;
 
 /// Ticks of a jackknife block.
-const BLOCK_TICKS: usize = 200;
+pub(super) const BLOCK_TICKS: usize = 200;
 
 /// Fewest ticks in the air for a fit.
 const FEWEST_TICKS: usize = 200;

@@ -47,7 +47,7 @@ pub struct VehicleFacts {
     pub name: String,
     /// Mass, kg; without it forces are per kilogram.
     pub mass_kg: Option<f64>,
-    /// Principal inertia about the body axes, kg m²; without it the torques of normalised set-points are unknown.
+    /// Principal inertia about the body axes, kg m²; without it the torques of normalised set-points are per kg m².
     pub inertia_kg_m2: Option<[f64; 3]>,
     /// Joints that get the rows q1 and q2 [default: the first two].
     pub joints: Vec<String>,
@@ -153,6 +153,8 @@ pub enum Quantity {
     Thrust,
     /// Normalised torque in the body, 3.
     TorqueSetpoint,
+    /// Wanted attitude world-from-body, w x y z.
+    AttitudeSetpoint,
     /// Collective thrust in any unit, 1.
     Collective,
     /// Normalised motor outputs, any number; channels that are not finite are no motors.
@@ -167,7 +169,7 @@ impl Quantity {
     /// Numbers of one sample; `None` if any number will do.
     pub fn width(self) -> Option<usize> {
         match self {
-            Self::Quaternion => Some(4),
+            Self::Quaternion | Self::AttitudeSetpoint => Some(4),
             Self::Collective | Self::Battery => Some(1),
             Self::Motors | Self::Joints => None,
             _ => Some(3),

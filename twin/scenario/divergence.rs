@@ -2,8 +2,8 @@
 //! with where the vehicle went.
 //!
 //! The twin is one rigid body in Rapier, of the mass and inertia that are known or of a URDF, its joints locked as they were. The
-//! recorded force passed `H`, so it is taken that much later. Where no torque is known the attitude is that of the recording and
-//! only the position is compared. Twice flown: as it is, and with the mean residual of the half second before the start.
+//! recorded force passed `H`, so it is taken that much later. Where no torque in N m is known the attitude is that of the recording
+//! and only the position is compared. Twice flown: as it is, and with the mean residual of the half second before the start.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -143,13 +143,19 @@ pub struct Flyer {
     film: Arc<Film>,
     twin: Twin,
     delay_ticks: f64,
+    /// A torque that is only fitted says the attitude worse than coasting: the recording's is taken then.
+    own_attitude: bool,
+    /// The recorded forces are those on so many kg, not on the mass of the twin.
+    of_kg: Option<f64>,
 }
 
 impl Flyer {
     /// `twin` beside `film`, which is of `opened`.
     pub fn new(film: &Arc<Film>, opened: &OpenedFlight, twin: Twin) -> Self {
         let delay_ticks = PASS_TICKS * opened.recorded.acceleration[0].passes() as f64;
-        Self { film: Arc::clone(film), twin, delay_ticks }
+        let own_attitude = opened.recorded.fitted_inertia().is_none();
+        let of_kg = opened.per_kilogram().then_some(opened.recorded.mass_kg);
+        Self { film: Arc::clone(film), twin, delay_ticks, own_attitude, of_kg }
     }
 
     /// What flies, for people.
@@ -180,17 +186,29 @@ impl Flyer {
         let every = (self.film.ticks() / MOST_STARTS).max(HORIZONS[1]);
         let starts = (0..self.film.ticks()).step_by(every);
         let shots: Vec<Shot> = starts.filter_map(|start| self.from(start)).collect();
-        report(&self.twin.says, &shots)
+        let held = if self.own_attitude {
+            "recorded force; the attitude is as recorded, because no torque is known"
+        } else {
+            "recorded force; the attitude is as recorded, because a torque that is only fitted says it worse than coasting"
+        };
+        report(&self.twin.says, held, &shots)
     }
 
     /// What is known around a start.
     fn clip(&self, start: usize, ticks: usize) -> Option<Clip> {
         let first = start.checked_sub(BEFORE)?;
         let mut cursor = Cursor::new(&self.film);
-        let frames = (first..=start + self.reach(ticks))
+        let mut frames = (first..=start + self.reach(ticks))
             .map(|tick| cursor.frame(tick).filter(|frame| known(frame, 0..3)).cloned())
             .collect::<Option<Vec<Frame>>>()?;
-        let free = frames.iter().all(|frame| known(frame, 3..AXES));
+        if let Some(of_kg) = self.of_kg {
+            let share = self.twin.inertial(&frames[BEFORE].measurement.chi).mass_kg / of_kg;
+            for frame in &mut frames {
+                let force = position(&frame.measurement.tau_applied) * share;
+                frame.measurement.tau_applied.fixed_rows_mut::<3>(0).copy_from(&force);
+            }
+        }
+        let free = self.own_attitude && frames.iter().all(|frame| known(frame, 3..AXES));
         let attitude = frames.iter().all(|frame| frame.coordinates[3..AXES] == [true; 3]);
         attitude.then_some(Clip { frames, free, ticks })
     }

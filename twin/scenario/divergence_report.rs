@@ -91,8 +91,8 @@ pub struct AxisReport {
     pub light_with_residual: Light,
 }
 
-/// The report of these flights.
-pub(super) fn report(twin: &str, shots: &[Shot]) -> Report {
+/// The report of these flights, `held` if they have the attitude of the recording.
+pub(super) fn report(twin: &str, held: &'static str, shots: &[Shot]) -> Report {
     let horizons: Vec<Horizon> = HORIZONS
         .iter()
         .enumerate()
@@ -107,7 +107,7 @@ pub(super) fn report(twin: &str, shots: &[Shot]) -> Report {
         commands: match shots.first() {
             None => "none: force and motion are nowhere known for long enough",
             Some(shot) if shot.free => "recorded force and torque",
-            Some(_) => "recorded force; the attitude is as recorded, because no torque is known",
+            Some(_) => held,
         },
         flights: shots.len(),
         light: worst(|axis| axis.light),

@@ -60,6 +60,8 @@ fn flyer(recorded: &RecordedFlight) -> Flyer {
         film: Arc::new(Film::whole(recorded, &nominal)),
         twin: Twin { form: Form::Body(inertial), says: "made".to_owned() },
         delay_ticks: PASS_TICKS,
+        own_attitude: true,
+        of_kg: None,
     }
 }
 
@@ -100,6 +102,27 @@ fn an_overstated_thrust_is_an_invalid_twin_and_the_residual_of_before_mends_it()
     assert!((z.twin_rms - 0.368).abs() < 0.01, "{z:?}");
     assert_eq!((z.light, z.light_with_residual), (Light::Invalid, Light::Valid));
     assert_eq!(report.light, Some(Light::Invalid));
+}
+
+#[test]
+fn forces_per_kilogram_move_a_twin_of_any_mass_and_a_torque_that_is_fitted_does_not_turn_it() {
+    let recorded = flight(1.0, true, PASS_TICKS * TICK_S);
+    let per_kg = Flyer { own_attitude: false, of_kg: Some(MASS_KG), ..flyer(&recorded) };
+    let heavy = Inertial {
+        mass_kg: 3.0 * MASS_KG,
+        com_in_link: Vector3::zeros(),
+        inertia_in_link: Matrix3::identity(),
+    };
+    let twin = Twin { form: Form::Body(heavy), says: "heavy".to_owned() };
+    let heavier = Flyer { twin, ..per_kg.clone() };
+    let (one, other) = (per_kg.from(200).expect("known"), heavier.from(200).expect("known"));
+    assert!(!one.free && !other.free);
+    for row in 0..3 {
+        let (one, other) = (one.after[2][row], other.after[2][row]);
+        // Rounding of a force and of a mass that are three times as much.
+        assert!((one.twin.unwrap() - other.twin.unwrap()).abs() < 1e-9, "{row}");
+        assert!((one.with_residual.unwrap() - other.with_residual.unwrap()).abs() < 1e-9, "{row}");
+    }
 }
 
 #[test]

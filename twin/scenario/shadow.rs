@@ -92,6 +92,7 @@ impl Shadow {
     /// `inertia_kg_m2` about the body axes where it is known.
     pub fn new(recorded: &RecordedFlight, inertia_kg_m2: Option<[f64; 3]>) -> Self {
         let mut gains = Gains::preset(Preset::Paper);
+        let inertia_kg_m2 = inertia_kg_m2.or(recorded.fitted_inertia());
         for row in 0..3 {
             gains.nominal_inertia[row] = recorded.mass_kg;
             if let Some(inertia) = inertia_kg_m2 {

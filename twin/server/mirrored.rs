@@ -114,7 +114,7 @@ impl Mirrored {
             [] => "no joint is in the recording".to_owned(),
             names => format!("its joints {} are in the charts only", names.join(", ")),
         };
-        let force = opened.force_sentence();
+        let (force, torque) = (opened.force_sentence(), opened.torque_sentence());
         let info = MirrorInfo {
             file: live.as_ref().map_or_else(|| opened.name(), |(live, _)| live.name().to_owned()),
             map: opened.map_name.clone(),
@@ -126,9 +126,9 @@ impl Mirrored {
             ),
             predictor: PREDICTOR.to_owned(),
             force: if opened.per_kilogram() {
-                format!("{force}; the mass is unknown, so forces are per kilogram")
+                format!("{force}; the mass is unknown, so forces are per kilogram; {torque}")
             } else {
-                format!("{force}; mass in use {:.3} kg", recorded.mass_kg)
+                format!("{force}; mass in use {:.3} kg; {torque}", recorded.mass_kg)
             },
             unknown_rows: unknown.map(|(_, row)| (*row).to_owned()).collect(),
             ticks: shadow.ticks() as u64,

@@ -43,11 +43,9 @@ pub(super) fn run(args: &L1Args) -> anyhow::Result<End> {
     for pole in &args.poles {
         for [force, moment] in &args.cutoffs {
             for file in &args.scenarios {
-                let mut overrides: Vec<String> =
-                    ["controller.kind=l1", "task.kind=path", "task.start=grasped"]
-                        .map(str::to_owned)
-                        .to_vec();
+                let mut overrides = super::PATH_ALONE.map(str::to_owned).to_vec();
                 overrides.extend([
+                    "controller.kind=l1".to_owned(),
                     format!("gains.preset={}", args.preset),
                     format!("controller.l1.pole_per_s={pole:?}"),
                     format!("controller.l1.cutoff_rad_s=[{force:?}, {moment:?}]"),

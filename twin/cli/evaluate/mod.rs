@@ -44,6 +44,9 @@ pub(super) fn run(args: &EvaluateArgs) -> anyhow::Result<End> {
     }
 }
 
+/// Keys that fly a scenario's path with the payload in hand from the start, and nothing else of its mission.
+const PATH_ALONE: [&str; 2] = ["task.kind=path", "task.start=grasped"];
+
 /// The command line as it was given, to make a table again.
 fn command() -> String {
     let mut words: Vec<String> = std::env::args().collect();

@@ -32,6 +32,10 @@ pub(super) struct TrackingArgs {
     /// were accepted (repeatable).
     #[arg(long, value_name = "FILE")]
     weights: Vec<PathBuf>,
+    /// The path alone, with the payload in hand from the start, as `evaluate l1` flies it: what a method tracks that never gets
+    /// to the grasp.
+    #[arg(long)]
+    path_alone: bool,
     /// Flights at a time [default: one per core].
     #[arg(long)]
     jobs: Option<usize>,
@@ -83,12 +87,17 @@ pub(super) fn run(args: &TrackingArgs) -> anyhow::Result<End> {
     });
     bar.finish_and_clear();
     let lines = condense(&outcomes);
-    args.output.write_pictures("Tracking in full missions", &sheet(&lines), || paths(&jobs))?;
+    let (table, title) = if args.path_alone {
+        ("tracking_path_alone", "Tracking of the paths alone, payload in hand")
+    } else {
+        ("tracking", "Tracking in full missions")
+    };
+    args.output.write_pictures(title, &sheet(&lines), || paths(&jobs))?;
     if args.output.json {
         let command = super::command();
         println!(
             "{}",
-            serde_json::json!({ "table": "tracking", "command": command, "lines": lines, "paper": PAPER })
+            serde_json::json!({ "table": table, "command": command, "lines": lines, "paper": PAPER })
         );
     } else {
         print_matrix(&lines);
@@ -203,6 +212,9 @@ fn jobs(args: &TrackingArgs) -> anyhow::Result<Vec<Job>> {
                     let mut overrides = args.overrides.set.clone();
                     overrides.extend(row.keys.iter().cloned());
                     overrides.extend([format!("gains.preset={preset}"), format!("seed={seed}")]);
+                    if args.path_alone {
+                        overrides.extend(super::PATH_ALONE.map(str::to_owned));
+                    }
                     let row = format!("{}/{preset}", row.name);
                     jobs.push(Job { row, file: file.clone(), overrides });
                 }

@@ -1,0 +1,137 @@
+//! Torque about the body axes from normalised set-points, with the gains that a flight has.
+//!
+//! Per axis `m = J k u(t - lag)`. Of a vehicle whose inertia is unknown `J` is 1 kg m²: its torques are then per kg m².
+
+use nalgebra::Vector3;
+use serde::Serialize;
+
+use super::effort::Settled;
+use super::grid::{Ticks, curvature, filtered_times, slope};
+use super::recorded::Derivation;
+use super::signals::Signals;
+use super::torque_blocks::Known;
+use super::torque_fit::{TorqueAxis, fit};
+use crate::mirror::effort::Effort;
+use crate::notation::body_rate_from_euler_rate;
+
+/// Where a normalised torque leads to.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Torque {
+    /// Inertia about the body axes in use, kg m².
+    pub inertia_kg_m2: [f64; 3],
+    /// The inertia is unknown: torques are per kg m².
+    pub per_inertia: bool,
+    /// Roll, pitch, yaw.
+    pub axes: [TorqueAxis; 3],
+}
+
+/// Names of the axes for people: those of the rows.
+const AXES: [&str; 3] = ["phi", "theta", "psi"];
+
+impl Torque {
+    /// About no axis a gain is known.
+    pub(super) fn unknown(inertia_kg_m2: Option<[f64; 3]>, why: &str) -> Self {
+        let axis = || TorqueAxis::Unknown { why: why.to_owned() };
+        Self {
+            inertia_kg_m2: inertia_kg_m2.unwrap_or([1.0; 3]),
+            per_inertia: inertia_kg_m2.is_none(),
+            axes: [axis(), axis(), axis()],
+        }
+    }
+
+    /// Per axis whether its gain is known.
+    pub fn known(&self) -> [bool; 3] {
+        std::array::from_fn(|axis| matches!(self.axes[axis], TorqueAxis::Fitted(_)))
+    }
+
+    /// Gains, uncertainty and what is missing, for people.
+    pub fn sentence(&self) -> String {
+        if let [TorqueAxis::Unknown { why }, second, third] = &self.axes
+            && [second, third].iter().all(|axis| **axis == self.axes[0])
+        {
+            return format!("no torque is known: {why}");
+        }
+        let axis = |(name, axis): (&&str, &TorqueAxis)| match axis {
+            TorqueAxis::Fitted(fit) => format!("{name} {}", fit.sentence()),
+            TorqueAxis::Unknown { why } => format!("{name} unknown, {why}"),
+        };
+        let axes: Vec<String> = AXES.iter().zip(&self.axes).map(axis).collect();
+        let unit = if self.per_inertia {
+            "; the inertia is unknown: torques are per kg m2".to_owned()
+        } else {
+            let [x, y, z] = self.inertia_kg_m2;
+            format!("; inertia in use {x:.4}, {y:.4}, {z:.4} kg m2")
+        };
+        format!("torque from TorqueSetpoint: {}{unit}", axes.join("; "))
+    }
+}
+
+/// Angular acceleration of the body by torque per tick, rad/s², before `H`: with the gyroscopic part where the inertia is known.
+fn turning(
+    signals: &Signals,
+    times_s: &[f64],
+    eta: &Ticks<3>,
+    inertia_kg_m2: Option<[f64; 3]>,
+) -> Ticks<3> {
+    let Some(body_rate) = &signals.body_rate else {
+        let raw = curvature(eta);
+        let one = |(raw, eta): (&Option<Vector3<f64>>, &Option<Vector3<f64>>)| {
+            Some(body_rate_from_euler_rate(eta.as_ref()?) * raw.as_ref()?)
+        };
+        return raw.iter().zip(eta).map(one).collect();
+    };
+    let rate: Ticks<3> = times_s.iter().map(|t_s| body_rate.cubic(*t_s)).collect();
+    let inertia = inertia_kg_m2.map(Vector3::from);
+    let one = |(turning, rate): (Option<Vector3<f64>>, &Option<Vector3<f64>>)| {
+        let (turning, rate) = (turning?, rate.as_ref()?);
+        let gyroscopic = inertia.map(|j| rate.cross(&j.component_mul(rate)).component_div(&j));
+        Some(turning + gyroscopic.unwrap_or_default())
+    };
+    slope(&rate).into_iter().zip(&rate).map(one).collect()
+}
+
+/// The torque that `signals` hold: its gains, and per tick the moment in the body before `H`, N m. An axis without a gain has the
+/// moment that turned it, because it has a share in the other rows. What is `settled` is not fitted.
+pub(super) fn torque(
+    signals: &Signals,
+    (times_s, eta, airborne): (&[f64], &Ticks<3>, &[bool]),
+    derivation: Derivation,
+    inertia_kg_m2: Option<[f64; 3]>,
+    settled: Option<&Settled>,
+) -> (Torque, Ticks<3>) {
+    let unknown = |why: &str| (Torque::unknown(inertia_kg_m2, why), vec![None; times_s.len()]);
+    let Some(input) = &signals.torque_setpoint else {
+        return unknown("no torque set-point in the log");
+    };
+    let raw = turning(signals, times_s, eta, inertia_kg_m2);
+    let found = match (settled.map(|settled| &settled.effort), &signals.attitude_setpoint) {
+        (Some(Effort::Fitted { torque, .. }), _) => (**torque).clone(),
+        (Some(_), _) => return unknown("no torque of the flight was fitted"),
+        (None, None) => {
+            return unknown(
+                "no attitude set-point in the log: in closed loop a torque cannot be told from what it answers",
+            );
+        }
+        (None, Some(setpoint)) => {
+            let passes = derivation.passes();
+            let acceleration = &filtered_times(&raw, passes);
+            let known = Known { times_s, torque: input, setpoint, acceleration, passes, airborne };
+            Torque { axes: fit(&known), ..Torque::unknown(inertia_kg_m2, "") }
+        }
+    };
+    if found.known() == [false; 3] {
+        return (found, vec![None; times_s.len()]);
+    }
+    let moment = |tick: usize| {
+        let mut moment = raw[tick]?;
+        for (axis, gain) in found.axes.iter().enumerate() {
+            if let TorqueAxis::Fitted(fit) = gain {
+                moment[axis] = fit.gain * input.linear(times_s[tick] - fit.lag_s)?[axis];
+            }
+            moment[axis] *= found.inertia_kg_m2[axis];
+        }
+        Some(moment)
+    };
+    let moments = (0..times_s.len()).map(moment).collect();
+    (found, moments)
+}
