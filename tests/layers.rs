@@ -9,11 +9,11 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("tick", &["notation"]),
     ("filter", &[]),
     ("source", &["notation", "tick"]),
-    ("model", &["notation"]),
+    ("model", &["notation", "task"]),
     ("plant", &["filter", "model", "notation", "source", "tick"]),
     ("residual", &["filter", "notation", "tick"]),
     ("control", &["filter", "notation", "source", "tick"]),
-    ("task", &["filter", "model", "notation", "tick"]),
+    ("task", &["filter", "notation", "tick"]),
     // The registry of the values in force names what they belong to.
     ("tuning", &["control", "notation", "residual"]),
     ("flight", &["control", "notation", "residual", "source", "task", "tick", "tuning"]),

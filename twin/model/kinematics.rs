@@ -3,6 +3,7 @@
 use nalgebra::{Isometry3, Matrix3x2, Translation3, Unit, UnitQuaternion, Vector2, Vector3};
 
 use super::{Joint, JointKind, Robot};
+use crate::task::ToolKinematics;
 
 /// Most arm joints that have rows in `chi`.
 const ROWS: usize = 2;
@@ -147,15 +148,6 @@ impl Arm {
         Arm { skeleton, carrier, carrier_from_tool }
     }
 
-    /// `body_from_tool` at joint positions `q`, m.
-    pub fn tool_in_body(&self, q: &Vector2<f64>) -> Isometry3<f64> {
-        let frames = self.skeleton.frames(q);
-        match self.carrier {
-            Some(row) => frames[row] * self.carrier_from_tool,
-            None => self.carrier_from_tool,
-        }
-    }
-
     /// Jacobian of the tool's position in the body frame, m/rad.
     pub fn tool_jacobian_in_body(&self, q: &Vector2<f64>) -> Matrix3x2<f64> {
         let frames = self.skeleton.frames(q);
@@ -169,9 +161,18 @@ impl Arm {
         };
         Matrix3x2::from_columns(&[column(0), column(1)])
     }
+}
 
-    /// Velocity of the tool relative to the body, in the body frame, m/s.
-    pub fn tool_velocity_in_body(&self, q: &Vector2<f64>, q_dot: &Vector2<f64>) -> Vector3<f64> {
+impl ToolKinematics for Arm {
+    fn tool_in_body(&self, q: &Vector2<f64>) -> Isometry3<f64> {
+        let frames = self.skeleton.frames(q);
+        match self.carrier {
+            Some(row) => frames[row] * self.carrier_from_tool,
+            None => self.carrier_from_tool,
+        }
+    }
+
+    fn tool_velocity_in_body(&self, q: &Vector2<f64>, q_dot: &Vector2<f64>) -> Vector3<f64> {
         self.tool_jacobian_in_body(q) * q_dot
     }
 }

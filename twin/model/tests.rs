@@ -7,6 +7,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::notation::{Coords, GRAVITY_M_S2, attitude, position, world_from_body};
+use crate::task::ToolKinematics;
 
 const VEHICLE: &str = include_str!("../../urdf/aerial_manipulator.urdf");
 const SCENERY: [&str; 3] = [

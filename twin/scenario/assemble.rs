@@ -1,6 +1,7 @@
 //! From settings to the parts of a flight.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use nalgebra::{Vector2, Vector3};
 
@@ -22,7 +23,7 @@ use crate::residual::{
     RandomFeatures, lra,
 };
 use crate::task::path::Curve;
-use crate::task::{Excitation, FollowPath, Hover, Mission, PickPlace, Region, Task};
+use crate::task::{Excitation, FollowPath, Hover, Mission, PickPlace, Region, Task, ToolKinematics};
 use crate::tick::{GripperCommand, Setpoint};
 use crate::tuning::{Tuning, TuningError};
 
@@ -358,7 +359,7 @@ fn task(settings: &Settings, arm: Arm) -> Box<dyn Task> {
                 transit_joints,
                 retry_limit: task.retry_limit,
             };
-            Box::new(PickPlace::new(mission, arm))
+            Box::new(PickPlace::new(mission, Arc::new(arm)))
         }
     }
 }

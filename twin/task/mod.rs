@@ -11,6 +11,8 @@ pub mod path;
 pub mod pick_place;
 pub mod quintic;
 
+use nalgebra::{Isometry3, Vector2, Vector3};
+
 use crate::notation::Coords;
 use crate::tick::{Event, Measurement, Reference};
 
@@ -40,6 +42,15 @@ pub struct Step {
     pub finished: bool,
     /// Why the task cannot be done, if it gave up.
     pub gave_up: Option<String>,
+}
+
+/// Where the vehicle's arm holds its tool: all that a task needs to know of the vehicle's geometry.
+pub trait ToolKinematics: std::fmt::Debug + Send + Sync {
+    /// `body_from_tool` at the joint angles `q = [q1 q2]`, rad; translation in m.
+    fn tool_in_body(&self, q: &Vector2<f64>) -> Isometry3<f64>;
+
+    /// Velocity of the tool relative to the body, in the body frame, m/s, at the joint angles `q`, rad, and rates `q_dot`, rad/s.
+    fn tool_velocity_in_body(&self, q: &Vector2<f64>, q_dot: &Vector2<f64>) -> Vector3<f64>;
 }
 
 /// Something to fly; deterministic.

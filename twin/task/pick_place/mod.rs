@@ -9,12 +9,13 @@ mod pick;
 mod place;
 mod signals;
 
+use std::sync::Arc;
+
 use nalgebra::{Vector2, Vector3};
 
 use super::motion::{Motion, Posture};
 use super::path::{Curve, TimedPath};
-use super::{Step, Task, View};
-use crate::model::Arm;
+use super::{Step, Task, ToolKinematics, View};
 use crate::notation::Coords;
 use crate::tick::{Adaptation, Event, EventKind, GripperCommand, Reference};
 
@@ -49,7 +50,7 @@ pub struct Mission {
 /// The task's state.
 pub struct PickPlace {
     mission: Mission,
-    arm: Arm,
+    arm: Arc<dyn ToolKinematics>,
     path: TimedPath,
     motion: Motion,
     signals: Signals,
@@ -92,7 +93,7 @@ impl Mean {
 
 impl PickPlace {
     /// Ready at the start of `mission`.
-    pub fn new(mission: Mission, arm: Arm) -> Self {
+    pub fn new(mission: Mission, arm: Arc<dyn ToolKinematics>) -> Self {
         let (start, joints) = (mission.start, mission.transit_joints);
         let path = TimedPath::new(mission.path, mission.speed_m_s);
         Self {
@@ -183,7 +184,7 @@ impl PickPlace {
 
 impl Task for PickPlace {
     fn update(&mut self, view: &View<'_>, dt_s: f64) -> Step {
-        self.signals.update(view, &self.arm, dt_s);
+        self.signals.update(view, self.arm.as_ref(), dt_s);
         self.phase_s += dt_s;
         let before = self.phase;
         if self.phase.picks() {

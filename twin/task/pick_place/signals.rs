@@ -3,9 +3,8 @@
 use nalgebra::{Vector2, Vector3};
 
 use crate::filter::LowPass;
-use crate::model::Arm;
 use crate::notation::{Coords, attitude, body_rate_from_euler_rate, position, world_from_body};
-use crate::task::View;
+use crate::task::{ToolKinematics, View};
 
 /// Corners of first-order filters with time constants of 50 ms, 100 ms and 1 s, Hz.
 const TIP_HZ: f64 = 3.2;
@@ -35,7 +34,7 @@ pub(super) struct Signals {
 }
 
 impl Signals {
-    pub(super) fn update(&mut self, view: &View<'_>, arm: &Arm, dt_s: f64) {
+    pub(super) fn update(&mut self, view: &View<'_>, arm: &dyn ToolKinematics, dt_s: f64) {
         let m = view.measurement;
         let q = Vector2::new(m.chi[6], m.chi[7]);
         let q_dot = Vector2::new(m.chi_dot[6], m.chi_dot[7]);
