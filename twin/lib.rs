@@ -6,6 +6,8 @@
 pub mod control;
 pub mod evaluate;
 pub mod filter;
+#[cfg(test)]
+pub(crate) mod fixture;
 pub mod flight;
 pub mod learn;
 pub mod mirror;

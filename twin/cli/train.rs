@@ -263,7 +263,7 @@ fn one(
         seed: args.seed,
         resume: args.resume,
         out: &job.out,
-        git: option_env!("TWIN_GIT_ID").unwrap_or("unknown"),
+        git: twin::mirror::program::commit(),
     };
     let mut observe = |progress: Progress| {
         let per_epoch = progress.steps.1 as u64;

@@ -111,7 +111,7 @@ fn head(flights: &[Series], statistics: &Statistics, data_hash: &str) -> Option<
         rate_hz: 1.0 / TICK_S,
         m_bar: list(&flights.first()?.m_bar),
         data_hash: data_hash.to_owned(),
-        git: option_env!("TWIN_GIT_ID").unwrap_or("unknown").to_owned(),
+        git: crate::mirror::program::commit().to_owned(),
         seed: 0,
         training: Training::default(),
         acceptance: Acceptance::default(),

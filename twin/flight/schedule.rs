@@ -81,7 +81,7 @@ impl Schedule {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mirror::fixture;
+    use crate::fixture;
     use crate::tick::Event;
 
     fn mass(kg: f64) -> Disturbance {

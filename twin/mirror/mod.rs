@@ -24,6 +24,7 @@ pub mod live;
 mod lossless;
 pub mod opened;
 mod own_footage;
+pub mod program;
 pub mod protobuf;
 pub mod recorded;
 pub mod recorder;

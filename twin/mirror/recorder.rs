@@ -11,6 +11,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use crate::mirror::program;
 use crate::mirror::recording::{MIRRORED, RecordingError};
 use crate::mirror::scene::Scene;
 use crate::mirror::track::TrackWriter;
@@ -213,8 +214,8 @@ impl RecordingInfo {
             ("seed", self.seed.to_string()),
             ("gains", self.gains_json.clone()),
             ("actuator_limits", self.limits_json.clone()),
-            ("version", env!("CARGO_PKG_VERSION").to_owned()),
-            ("git", option_env!("TWIN_GIT_ID").unwrap_or("unknown").to_owned()),
+            ("version", program::VERSION.to_owned()),
+            ("git", program::commit().to_owned()),
             ("predictor", self.predictor_json.clone()),
             ("kernel", self.kernel.clone()),
             ("joints", serde_json::json!(self.joint_names).to_string()),

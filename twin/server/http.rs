@@ -21,6 +21,7 @@ use axum::{Json, Router};
 use serde::Deserialize;
 use serde_json::json;
 
+use crate::mirror::program;
 use crate::server::client::{self, Console, Dialect, LONGEST_MESSAGE, Taker};
 use crate::server::command::{Command, Request as Ask};
 use crate::server::gains::{self, Change};
@@ -159,8 +160,8 @@ async fn health(State(app): State<Arc<App>>) -> Response {
         stages.into_iter().map(|stage| (stage.name, stage.ms)).collect();
     let body = json!({
         "status": if flying { "ok" } else { "flight stopped" },
-        "version": env!("CARGO_PKG_VERSION"),
-        "git": option_env!("TWIN_GIT_ID").unwrap_or("unknown"),
+        "version": program::VERSION,
+        "git": program::commit(),
         "uptime_s": app.uptime_s(),
         "mean_ms_per_tick": cost_ms,
     });

@@ -11,6 +11,7 @@ use super::case::{Plan, Shard};
 use super::share::wilson_95;
 use super::sweep::{SweepPlan, SweepReport};
 use super::{CaseResult, Outcome};
+use crate::mirror::program;
 
 /// A run, or the part of one that a shard flew.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -53,8 +54,8 @@ pub struct Successes {
 impl SuiteReport {
     /// The report of the `results` of `plan`.
     pub fn new(plan: &Plan, results: Vec<CaseResult>) -> Self {
-        let git = option_env!("TWIN_GIT_ID").unwrap_or("unknown").to_owned();
-        let version = env!("CARGO_PKG_VERSION").to_owned();
+        let git = program::commit().to_owned();
+        let version = program::VERSION.to_owned();
         Self::of(version, git, plan.shard, plan.total, &plan.sweeps, results)
     }
 
