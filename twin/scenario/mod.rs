@@ -13,6 +13,7 @@ pub mod file;
 pub mod golden;
 mod json_schema;
 mod limits;
+pub mod markup;
 mod merge;
 pub mod metrics;
 mod parallel;
