@@ -66,7 +66,7 @@ const ONLY_IN: &[(&str, &[&str])] = &[
     ("libm", &["residual"]),
     ("mcap", &["mirror"]),
     ("quick_junit", &["suite"]),
-    ("plotters", &["evaluate", "learn", "suite"]),
+    ("plotters", &["evaluate", "learn", "scenario", "suite"]),
     ("glob", &["suite"]),
     ("flate2", &["replay"]),
     ("base64", &["mirror", "replay"]),

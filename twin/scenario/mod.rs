@@ -17,6 +17,7 @@ pub mod markup;
 mod merge;
 pub mod metrics;
 mod parallel;
+pub mod plot;
 pub mod run;
 pub mod scene;
 pub mod settings;
