@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::pictures::{Curve, Picture};
+use super::pictures::{Curve, Picture, horizon_curve};
 use super::prediction::{PredictionTable, Row};
 use super::series::Series;
 use crate::notation::{ROWS, TICK_S};
@@ -100,19 +100,13 @@ fn figures(page: &mut String, table: &PredictionTable) {
 
 fn over_horizon(rows: &[Row]) -> Picture {
     let curve = |row: &Row| Curve {
-        name: row.label.clone(),
-        points: row.replayed.horizons.iter().map(|h| (h.j as f64, h.rmse_z)).collect(),
         measured: row.name == "persistence",
+        ..horizon_curve(&row.label, row.replayed.horizons.iter().map(|h| h.rmse_z))
     };
     // Above this the others could not be told apart.
     let best = |row: &&Row| row.replayed.horizons[0].rmse_z < 1.0;
-    Picture {
-        title: "RMSE, z-scored, of what scores below 1".to_owned(),
-        x: "ticks ahead, j".to_owned(),
-        y: "RMSE".to_owned(),
-        curves: rows.iter().filter(best).map(curve).collect(),
-        ..Picture::default()
-    }
+    let title = "RMSE, z-scored, of what scores below 1";
+    Picture::over_horizon(title, rows.iter().filter(best).map(curve))
 }
 
 fn over_time(table: &PredictionTable, series: &Series, row: usize, at: usize) -> Picture {

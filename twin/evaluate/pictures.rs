@@ -36,6 +36,12 @@ pub struct Curve {
     pub measured: bool,
 }
 
+/// A curve over the horizon: `errors` are those of the forecasts `j = 0..=k` ticks ahead.
+pub fn horizon_curve(name: &str, errors: impl Iterator<Item = f64>) -> Curve {
+    let points = errors.enumerate().map(|(j, error)| (j as f64, error)).collect();
+    Curve { name: name.to_owned(), points, measured: false }
+}
+
 /// A picture of curves and of moments marked by a dashed line with their name.
 #[derive(Clone, Debug, Default)]
 pub struct Picture {
@@ -57,6 +63,17 @@ impl Picture {
     /// As SVG; empty if there is nothing to draw.
     pub fn svg(&self) -> String {
         stacked(std::slice::from_ref(self))
+    }
+
+    /// The z-scored error of forecasts over the horizon.
+    pub fn over_horizon(title: &str, curves: impl Iterator<Item = Curve>) -> Self {
+        Self {
+            title: title.to_owned(),
+            x: "ticks ahead, j".to_owned(),
+            y: "RMSE".to_owned(),
+            curves: curves.collect(),
+            ..Self::default()
+        }
     }
 
     /// Width and height, px.
