@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::pictures::{Curve, Picture, horizon_curve};
-use super::prediction::{PredictionTable, Row};
+use super::prediction::{COLUMNS, Column, PredictionTable, Row};
 use super::series::Series;
 use crate::notation::{ROWS, TICK_S};
 use crate::residual::HORIZON;
@@ -54,33 +54,26 @@ pub fn pictures_page(title: &str, body: &str, command: &str) -> String {
 }
 
 fn figures(page: &mut String, table: &PredictionTable) {
-    page.push_str(
-        "<table><thead><tr><th>row</th><th>parameters</th><th>RMSE z</th><th>R²</th><th>RMSE z, j = 6</th><th>R², j = 6</th>\
-         <th>N</th><th>N m</th><th>‖ε‖</th><th>leverage</th><th>ms p50</th><th>p99</th><th>paper RMSE</th><th>R²</th><th>ms</th></tr></thead><tbody>",
+    let heads = COLUMNS.map(|column| format!("<th>{}</th>", column.name)).concat();
+    let _ = write!(
+        page,
+        "<table><thead><tr><th>row</th><th>parameters</th>{heads}\
+         <th>paper RMSE</th><th>R²</th><th>ms</th></tr></thead><tbody>",
     );
     for row in &table.rows {
-        let r = &row.replayed;
-        let (now, last) = (&r.horizons[0], &r.horizons[HORIZON]);
+        let figure = |Column { decimals, value, .. }: Column| {
+            format!("<td>{:.decimals$}</td>", value(&row.replayed))
+        };
         let paper = row.paper.map_or_else(
             || "<td>–</td>".repeat(3),
             |paper| paper.map(|v| format!("<td>{v}</td>")).concat(),
         );
         let _ = write!(
             page,
-            "<tr><td>{}</td><td>{}</td><td>{:.3}</td><td>{:.3}</td><td>{:.3}</td><td>{:.3}</td><td>{:.3}</td><td>{:.4}</td>\
-             <td>{:.3}</td><td>{:.3}</td><td>{:.3}</td><td>{:.3}</td>{paper}</tr>",
+            "<tr><td>{}</td><td>{}</td>{}{paper}</tr>",
             escaped(&row.label),
             row.parameters.map_or_else(|| "–".to_owned(), |n| n.to_string()),
-            now.rmse_z,
-            now.r2,
-            last.rmse_z,
-            last.r2,
-            now.rmse_n,
-            now.rmse_n_m,
-            r.innovation_norm_mean,
-            r.leverage,
-            r.inference_ms_p50,
-            r.inference_ms_p99,
+            COLUMNS.map(figure).concat(),
         );
     }
     page.push_str("</tbody></table>");
