@@ -38,7 +38,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
         // A page is what a console would be sent.
         &["mirror", "notation", "residual", "scenario", "server", "tick", "tuning"],
     ),
-    ("suite", &["mirror", "replay", "scenario", "tick", "tuning"]),
+    ("suite", &["mirror", "scenario", "tick", "tuning"]),
     ("evaluate", &["flight", "mirror", "notation", "residual", "scenario", "tick", "tuning"]),
     ("learn", &["mirror", "notation", "residual", "scenario", "tick"]),
     (
@@ -66,7 +66,7 @@ const ONLY_IN: &[(&str, &[&str])] = &[
     ("libm", &["residual"]),
     ("mcap", &["mirror"]),
     ("quick_junit", &["suite"]),
-    ("plotters", &["evaluate", "learn", "suite"]),
+    ("plotters", &["evaluate", "learn", "scenario", "suite"]),
     ("glob", &["suite"]),
     ("flate2", &["replay"]),
     ("base64", &["mirror", "replay"]),

@@ -1,5 +1,9 @@
 //! The evidence of a failure: a page that is complete in itself. Whether it works is a browser's test.
 
+use std::path::PathBuf;
+
+use twin::suite::{Evidence, MakePage, Options, Selection, plan, run};
+
 use super::{Folder, TOO_LOW, twin};
 
 #[test]
@@ -20,6 +24,28 @@ fn a_failure_leaves_a_page_that_needs_nothing_else_and_the_message_names_it() {
     let output = twin(&["export", "html", &folder.path("failed/bad.mcap"), "-o", &again]);
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     assert_eq!(std::fs::read_to_string(&again).expect("the page"), text);
+}
+
+#[test]
+fn the_suite_notes_the_page_that_its_caller_makes_or_why_there_is_none() {
+    let folder = Folder::new("made-page");
+    let paths = vec![folder.hover("bad", TOO_LOW)];
+    let plan = plan(&Selection { paths, ..Selection::default() }).expect("the scenario is there");
+    let flown = |make_page: Option<MakePage>| {
+        let evidence = Some(Evidence { folder: folder.path("kept").into(), make_page });
+        let options = Options { jobs: 1, evidence, ..Options::default() };
+        run(&plan, &options, &|_| {}).cases.remove(0)
+    };
+    let made = flown(Some(|recording, _, report| {
+        assert!(recording.is_file() && !report.passed);
+        Ok(0.25)
+    }));
+    assert_eq!(made.replay, Some((PathBuf::from(folder.path("kept/bad.html")), 0.25)));
+    let refused = flown(Some(|_, _, _| Err("no room".to_owned())));
+    assert_eq!((refused.replay, refused.artifact_trouble), (None, Some("no room".to_owned())));
+    let recorded = flown(None);
+    assert_eq!((recorded.replay, recorded.artifact_trouble), (None, None));
+    assert_eq!(recorded.artifact, Some(PathBuf::from(folder.path("kept/bad.mcap"))));
 }
 
 #[test]

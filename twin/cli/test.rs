@@ -5,7 +5,11 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use clap::{Args, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
-use twin::suite::{Options, Selection, Shard, SuiteReport, junit, merge, page, plan, run};
+use twin::replay;
+use twin::scenario::Report;
+use twin::suite::{
+    Evidence, Options, Selection, Shard, SuiteReport, junit, merge, page, plan, run,
+};
 
 use super::test_table::{line, print_table};
 use super::{End, Overrides};
@@ -119,7 +123,7 @@ fn flown(args: &FlyTests) -> anyhow::Result<End> {
         jobs: args.jobs.unwrap_or(cores),
         fail_fast: args.fail_fast,
         update: args.update,
-        artifacts: Some(args.artifacts.clone()),
+        evidence: Some(Evidence { folder: args.artifacts.clone(), make_page: Some(replay_page) }),
     };
     let bar = ProgressBar::new(plan.cases.len() as u64).with_style(
         ProgressStyle::with_template(
@@ -134,6 +138,11 @@ fn flown(args: &FlyTests) -> anyhow::Result<End> {
     let wall_s = bar.elapsed().as_secs_f64();
     bar.finish_and_clear();
     hand_over(&report, &args.reports, wall_s)
+}
+
+/// The page of a failed flight: its replay, which opens where it failed.
+fn replay_page(recording: &Path, page: &Path, report: &Report) -> Result<f64, String> {
+    replay::export(recording, page, Some(report)).map_err(|error| error.to_string())
 }
 
 fn merged(args: &MergeArgs) -> anyhow::Result<End> {

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use super::entrants::{Candidate, trained};
-use super::pictures::{Curve, Picture};
+use super::pictures::{Picture, horizon_curve};
 use super::replay::replay;
 use super::series::{EvaluateError, Sample, Series, Statistics};
 use super::sheet::{Sheet, figure};
@@ -122,16 +122,6 @@ pub fn sheet(rows: &[Variant]) -> Sheet {
 
 /// Error over the horizon.
 pub fn over_horizon(rows: &[Variant]) -> Picture {
-    let curve = |row: &Variant| Curve {
-        name: row.name.clone(),
-        points: row.rmse_z_by_horizon.iter().enumerate().map(|(j, v)| (j as f64, *v)).collect(),
-        measured: false,
-    };
-    Picture {
-        title: "RMSE, z-scored, a priori".to_owned(),
-        x: "ticks ahead, j".to_owned(),
-        y: "RMSE".to_owned(),
-        curves: rows.iter().map(curve).collect(),
-        ..Picture::default()
-    }
+    let curve = |row: &Variant| horizon_curve(&row.name, row.rmse_z_by_horizon.iter().copied());
+    Picture::over_horizon("RMSE, z-scored, a priori", rows.iter().map(curve))
 }

@@ -2,21 +2,16 @@
 
 use std::fmt::Write;
 
-use super::pictures::{Curve, Picture};
-use super::prediction::{PredictionTable, Row};
+use super::pictures::{Curve, Picture, horizon_curve};
+use super::prediction::{COLUMNS, Column, PredictionTable, Row};
 use super::series::Series;
 use crate::notation::{ROWS, TICK_S};
 use crate::residual::HORIZON;
+use crate::scenario::markup::{self, escaped};
 
 const STYLE: &str = "
-:root{color-scheme:light dark;--ink:light-dark(#182028,#e8ebee);--muted:light-dark(#55616d,#9eabb8);--ground:light-dark(#fff,#0f1318);
---line:light-dark(#d5dbe1,#2a333e)}
-body{max-width:1080px;margin:24px auto;padding:0 16px;font:14px/1.45 system-ui,sans-serif;font-variant-numeric:tabular-nums;
-color:var(--ink);background:var(--ground)}
-h1{font-size:20px}h2{font-size:16px;margin-top:28px}table{border-collapse:collapse;min-width:100%;display:block;overflow-x:auto}
-th,td{padding:4px 10px 4px 0;text-align:right;border-bottom:1px solid var(--line)}th:first-child,td:first-child{text-align:left}
-th{color:var(--muted);font-weight:400}code,.from{font:12px/1.4 ui-monospace,monospace;color:var(--muted);overflow-wrap:anywhere}
-svg{max-width:100%;height:auto;border-radius:6px;margin:6px 0}
+table{min-width:100%;display:block;overflow-x:auto}th,td{text-align:right}th:first-child,td:first-child{text-align:left}
+code,.from{font:12px/1.4 ui-monospace,monospace;color:var(--muted);overflow-wrap:anywhere}svg{margin:6px 0}
 ";
 
 /// Rows of the residual that are drawn over time, and the window, s.
@@ -29,20 +24,17 @@ const MOST_TRACES: usize = 4;
 
 /// The page of `table`, which was made of `series`.
 pub fn prediction_page(table: &PredictionTable, series: &Series) -> String {
-    let mut page = format!(
-        "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\">\
-         <title>twin evaluate prediction</title><style>{STYLE}</style></head><body><h1>Residual prediction, a priori</h1>"
-    );
-    figures(&mut page, table);
-    let _ = write!(page, "<h2>Error over the horizon</h2>{}", over_horizon(&table.rows).svg());
+    let mut body = "<h1>Residual prediction, a priori</h1>".to_owned();
+    figures(&mut body, table);
+    let _ = write!(body, "<h2>Error over the horizon</h2>{}", over_horizon(&table.rows).svg());
     for at in [0, HORIZON] {
         for row in DRAWN {
-            let _ = write!(page, "{}", over_time(table, series, row, at).svg());
+            let _ = write!(body, "{}", over_time(table, series, row, at).svg());
         }
     }
-    let _ = writeln!(
-        page,
-        "<h2>Made from</h2><p class=\"from\">{}<br>recording {} (seed {}), sha-256 {}<br>statistics of {}, hash {}</p></body></html>",
+    let _ = write!(
+        body,
+        "<h2>Made from</h2><p class=\"from\">{}<br>recording {} (seed {}), sha-256 {}<br>statistics of {}, hash {}</p>",
         escaped(&table.command),
         escaped(&table.recording.display().to_string()),
         escaped(&table.seed),
@@ -52,46 +44,36 @@ pub fn prediction_page(table: &PredictionTable, series: &Series) -> String {
         ),
         table.data_hash
     );
-    page
+    markup::page("twin evaluate prediction", STYLE, &body)
 }
 
 /// A page around `body`, which is markup, with the command that makes it again.
 pub fn pictures_page(title: &str, body: &str, command: &str) -> String {
-    let (title, command) = (escaped(title), escaped(command));
-    format!(
-        "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\">\
-         <title>{title}</title><style>{STYLE}</style></head><body><h1>{title}</h1>{body}<p class=\"from\">{command}</p></body></html>\n"
-    )
+    let (head, command) = (escaped(title), escaped(command));
+    markup::page(title, STYLE, &format!("<h1>{head}</h1>{body}<p class=\"from\">{command}</p>"))
 }
 
 fn figures(page: &mut String, table: &PredictionTable) {
-    page.push_str(
-        "<table><thead><tr><th>row</th><th>parameters</th><th>RMSE z</th><th>R²</th><th>RMSE z, j = 6</th><th>R², j = 6</th>\
-         <th>N</th><th>N m</th><th>‖ε‖</th><th>leverage</th><th>ms p50</th><th>p99</th><th>paper RMSE</th><th>R²</th><th>ms</th></tr></thead><tbody>",
+    let heads = COLUMNS.map(|column| format!("<th>{}</th>", column.name)).concat();
+    let _ = write!(
+        page,
+        "<table><thead><tr><th>row</th><th>parameters</th>{heads}\
+         <th>paper RMSE</th><th>R²</th><th>ms</th></tr></thead><tbody>",
     );
     for row in &table.rows {
-        let r = &row.replayed;
-        let (now, last) = (&r.horizons[0], &r.horizons[HORIZON]);
+        let figure = |Column { decimals, value, .. }: Column| {
+            format!("<td>{:.decimals$}</td>", value(&row.replayed))
+        };
         let paper = row.paper.map_or_else(
             || "<td>–</td>".repeat(3),
             |paper| paper.map(|v| format!("<td>{v}</td>")).concat(),
         );
         let _ = write!(
             page,
-            "<tr><td>{}</td><td>{}</td><td>{:.3}</td><td>{:.3}</td><td>{:.3}</td><td>{:.3}</td><td>{:.3}</td><td>{:.4}</td>\
-             <td>{:.3}</td><td>{:.3}</td><td>{:.3}</td><td>{:.3}</td>{paper}</tr>",
+            "<tr><td>{}</td><td>{}</td>{}{paper}</tr>",
             escaped(&row.label),
             row.parameters.map_or_else(|| "–".to_owned(), |n| n.to_string()),
-            now.rmse_z,
-            now.r2,
-            last.rmse_z,
-            last.r2,
-            now.rmse_n,
-            now.rmse_n_m,
-            r.innovation_norm_mean,
-            r.leverage,
-            r.inference_ms_p50,
-            r.inference_ms_p99,
+            COLUMNS.map(figure).concat(),
         );
     }
     page.push_str("</tbody></table>");
@@ -111,19 +93,13 @@ fn figures(page: &mut String, table: &PredictionTable) {
 
 fn over_horizon(rows: &[Row]) -> Picture {
     let curve = |row: &Row| Curve {
-        name: row.label.clone(),
-        points: row.replayed.horizons.iter().map(|h| (h.j as f64, h.rmse_z)).collect(),
         measured: row.name == "persistence",
+        ..horizon_curve(&row.label, row.replayed.horizons.iter().map(|h| h.rmse_z))
     };
     // Above this the others could not be told apart.
     let best = |row: &&Row| row.replayed.horizons[0].rmse_z < 1.0;
-    Picture {
-        title: "RMSE, z-scored, of what scores below 1".to_owned(),
-        x: "ticks ahead, j".to_owned(),
-        y: "RMSE".to_owned(),
-        curves: rows.iter().filter(best).map(curve).collect(),
-        ..Picture::default()
-    }
+    let title = "RMSE, z-scored, of what scores below 1";
+    Picture::over_horizon(title, rows.iter().filter(best).map(curve))
 }
 
 fn over_time(table: &PredictionTable, series: &Series, row: usize, at: usize) -> Picture {
@@ -161,9 +137,4 @@ fn over_time(table: &PredictionTable, series: &Series, row: usize, at: usize) ->
         curves: std::iter::once(measured).chain(curves).collect(),
         ..Picture::default()
     }
-}
-
-/// Text as markup.
-pub(super) fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

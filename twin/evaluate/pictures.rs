@@ -2,27 +2,25 @@
 
 use plotters::prelude::*;
 
+use crate::scenario::plot::{self, Area, COLOURS, DrawingError};
+
 /// Width and height of a picture, px.
 const SIZE_PX: (u32, u32) = (860, 300);
 
 /// The same of a map.
 const MAP_PX: (u32, u32) = (640, 420);
 
-/// Okabe and Ito's colours without black and yellow.
-const COLOURS: [RGBColor; 6] = [
-    RGBColor(213, 94, 0),
-    RGBColor(0, 114, 178),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(230, 159, 0),
-    RGBColor(86, 180, 233),
-];
-
 /// What margins, title and labels of the axes take of width and height, px.
 const SIDES_PX: (u32, u32) = (74 + LEGEND_PX.0, 84);
 
 /// Width kept free for the legend, right of the curves where it covers none, and the height of its lines, px.
 const LEGEND_PX: (u32, i32) = (170, 18);
+
+/// Margin above and below the curves, as a part of their range.
+const MARGIN: f64 = 0.05;
+
+/// Smallest range of an axis, in its unit.
+const LEAST_RANGE: f64 = 1e-9;
 
 /// Dashes and gaps of a mark.
 const DASHES: u32 = 40;
@@ -36,6 +34,12 @@ pub struct Curve {
     pub points: Vec<(f64, f64)>,
     /// Drawn black and first: what was measured.
     pub measured: bool,
+}
+
+/// A curve over the horizon: `errors` are those of the forecasts `j = 0..=k` ticks ahead.
+pub fn horizon_curve(name: &str, errors: impl Iterator<Item = f64>) -> Curve {
+    let points = errors.enumerate().map(|(j, error)| (j as f64, error)).collect();
+    Curve { name: name.to_owned(), points, measured: false }
 }
 
 /// A picture of curves and of moments marked by a dashed line with their name.
@@ -61,15 +65,27 @@ impl Picture {
         stacked(std::slice::from_ref(self))
     }
 
+    /// The z-scored error of forecasts over the horizon.
+    pub fn over_horizon(title: &str, curves: impl Iterator<Item = Curve>) -> Self {
+        Self {
+            title: title.to_owned(),
+            x: "ticks ahead, j".to_owned(),
+            y: "RMSE".to_owned(),
+            curves: curves.collect(),
+            ..Self::default()
+        }
+    }
+
     /// Width and height, px.
     fn size(&self) -> (u32, u32) {
         if self.map { MAP_PX } else { SIZE_PX }
     }
 
-    fn draw(&self, area: &Area<'_>) -> Result<(), Box<dyn std::error::Error>> {
+    fn draw(&self, area: &Area<'_>) -> Result<(), DrawingError> {
         let points = || self.curves.iter().flat_map(|curve| &curve.points);
-        let mut xs = span(points().map(|(x, _)| *x), if self.map { 0.05 } else { 0.0 });
-        let mut ys = span(points().map(|(_, y)| *y), 0.05);
+        let aside = if self.map { MARGIN } else { 0.0 };
+        let mut xs = plot::span(points().map(|(x, _)| *x), LEAST_RANGE, [aside, aside]);
+        let mut ys = plot::span(points().map(|(_, y)| *y), LEAST_RANGE, [MARGIN, MARGIN]);
         if self.map {
             let inner = [MAP_PX.0 - SIDES_PX.0, MAP_PX.1 - SIDES_PX.1].map(f64::from);
             let scale = ((xs.end - xs.start) / inner[0]).max((ys.end - ys.start) / inner[1]);
@@ -82,14 +98,7 @@ impl Picture {
             .x_label_area_size(38)
             .y_label_area_size(64)
             .build_cartesian_2d(xs, ys.clone())?;
-        chart
-            .configure_mesh()
-            .x_desc(&self.x)
-            .y_desc(&self.y)
-            .label_style(("sans-serif", 12))
-            .axis_desc_style(("sans-serif", 14))
-            .light_line_style(WHITE)
-            .draw()?;
+        plot::plain(&mut chart.configure_mesh(), [&self.x, &self.y], [12, 14]).draw()?;
         for (at, name) in &self.marks {
             let part = |i: u32| ys.start + (ys.end - ys.start) * f64::from(i) / f64::from(DASHES);
             let dash = BLACK.mix(0.6).stroke_width(1);
@@ -110,14 +119,12 @@ impl Picture {
             let finite = curve.points.iter().copied().filter(|(x, y)| (x + y).is_finite());
             chart.draw_series([PathElement::new(finite.collect::<Vec<_>>(), style)])?;
             let at = (self.size().0.cast_signed() - LEGEND_PX.0.cast_signed() + 12, y);
-            area.draw(&PathElement::new([at, (at.0 + 18, y)], style))?;
+            area.draw(&plot::key(at, style))?;
             area.draw(&Text::new(curve.name.clone(), (at.0 + 24, y - 6), ("sans-serif", 12)))?;
         }
         Ok(())
     }
 }
-
-type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 
 /// One SVG of these pictures below each other; empty if there is nothing to draw.
 pub fn stacked(pictures: &[Picture]) -> String {
@@ -128,11 +135,10 @@ pub fn stacked(pictures: &[Picture]) -> String {
     }
 }
 
-fn draw_all(text: &mut String, pictures: &[Picture]) -> Result<(), Box<dyn std::error::Error>> {
+fn draw_all(text: &mut String, pictures: &[Picture]) -> Result<(), DrawingError> {
     let width = pictures.iter().map(|picture| picture.size().0).max().unwrap_or(SIZE_PX.0);
     let height = pictures.iter().map(|picture| picture.size().1).sum();
-    let mut rest = SVGBackend::with_string(text, (width, height)).into_drawing_area();
-    rest.fill(&WHITE)?;
+    let mut rest = plot::ground(text, (width, height))?;
     for picture in pictures {
         let (part, below) = rest.split_vertically(picture.size().1);
         picture.draw(&part)?;
@@ -140,18 +146,6 @@ fn draw_all(text: &mut String, pictures: &[Picture]) -> Result<(), Box<dyn std::
     }
     rest.present()?;
     Ok(())
-}
-
-/// From the smallest to the largest finite value with a margin on both sides, as a part of the range; never empty.
-fn span(values: impl Iterator<Item = f64>, margin: f64) -> std::ops::Range<f64> {
-    let (low, high) = values
-        .filter(|v| v.is_finite())
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
-    if !low.is_finite() {
-        return 0.0..1.0;
-    }
-    let size = (high - low).max(1e-9);
-    low - margin * size..high + margin * size
 }
 
 /// A range of `size` with the same middle.
@@ -186,6 +180,5 @@ mod tests {
             assert!(svg.contains(word), "{word}");
         }
         assert!(svg.starts_with("<svg") && !svg.contains("NaN"));
-        assert_eq!(span([f64::NAN].into_iter(), 0.0), 0.0..1.0);
     }
 }

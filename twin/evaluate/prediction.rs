@@ -31,6 +31,54 @@ pub struct Row {
     pub replayed: Replayed,
 }
 
+/// A figure of a row as page and terminal show it.
+pub struct Column {
+    /// Its name on the page.
+    pub name: &'static str,
+    /// Its name in the terminal.
+    pub short: &'static str,
+    /// Decimals.
+    pub decimals: usize,
+    /// The figure.
+    pub value: fn(&Replayed) -> f64,
+}
+
+impl Column {
+    const fn new(
+        name: &'static str,
+        short: &'static str,
+        decimals: usize,
+        value: fn(&Replayed) -> f64,
+    ) -> Self {
+        Self { name, short, decimals, value }
+    }
+}
+
+/// The figures of a row in order; the sheet holds those of every horizon.
+pub const COLUMNS: [Column; 10] = [
+    Column::new("RMSE z", "RMSE z", 3, |r| r.horizons[0].rmse_z),
+    Column::new("R²", "R²", 3, |r| r.horizons[0].r2),
+    Column::new("RMSE z, j = 6", "j=6", 3, |r| r.horizons[HORIZON].rmse_z),
+    Column::new("R², j = 6", "R² j=6", 3, |r| r.horizons[HORIZON].r2),
+    Column::new("N", "N", 3, |r| r.horizons[0].rmse_n),
+    Column::new("N m", "N m", 4, |r| r.horizons[0].rmse_n_m),
+    Column::new("‖ε‖", "|eps|", 3, |r| r.innovation_norm_mean),
+    Column::new("leverage", "leverage", 3, |r| r.leverage),
+    Column::new("ms p50", "ms p50", 3, |r| r.inference_ms_p50),
+    Column::new("p99", "p99", 3, |r| r.inference_ms_p99),
+];
+
+/// A figure of one horizon, with its name in the sheet.
+type Measure = (&'static str, fn(&Horizon) -> f64);
+
+/// The figures that the sheet holds of every horizon.
+const MEASURES: [Measure; 4] = [
+    ("RMSE z", |h| h.rmse_z),
+    ("R²", |h| h.r2),
+    ("RMSE N", |h| h.rmse_n),
+    ("RMSE N m", |h| h.rmse_n_m),
+];
+
 /// A model that was trained with several seeds: mean and standard deviation (n - 1) over them.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Spread {
@@ -104,9 +152,9 @@ impl PredictionTable {
     /// The table as cells, every horizon in it.
     pub fn sheet(&self) -> Sheet {
         let head = ["row", "label", "parameters", "weights", "trained on"];
-        let horizons = ["RMSE z", "R²", "RMSE N", "RMSE N m"]
+        let horizons = MEASURES
             .iter()
-            .flat_map(|what| (0..=HORIZON).map(move |j| format!("{what}, j = {j}")));
+            .flat_map(|(name, _)| (0..=HORIZON).map(move |j| format!("{name}, j = {j}")));
         let tail = ["leverage", "resets", "ms p50", "ms p99", "paper RMSE", "paper R²", "paper ms"];
         let own = |words: &[&str]| words.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>();
         let mut sheet = Sheet::new(own(&head).into_iter().chain(horizons).chain(own(&tail)));
@@ -126,13 +174,8 @@ impl Row {
             self.weights.as_ref().map_or_else(String::new, |file| file.display().to_string()),
             known(&self.trained_on),
         ];
-        for of in [
-            |h: &Horizon| h.rmse_z,
-            |h: &Horizon| h.r2,
-            |h: &Horizon| h.rmse_n,
-            |h: &Horizon| h.rmse_n_m,
-        ] {
-            cells.extend(r.horizons.iter().map(|h| figure(Some(of(h)), 4)));
+        for (_, value) in MEASURES {
+            cells.extend(r.horizons.iter().map(|h| figure(Some(value(h)), 4)));
         }
         cells.extend([figure(Some(r.leverage), 3), r.resets.to_string()]);
         cells.extend([r.inference_ms_p50, r.inference_ms_p99].map(|ms| figure(Some(ms), 3)));

@@ -1,6 +1,6 @@
 //! A table as plain cells: CSV for programs, HTML for the page.
 
-use super::page::escaped;
+use crate::scenario::markup::escaped;
 
 /// Head and rows; every row as long as the head.
 #[derive(Clone, Debug, Default, PartialEq)]

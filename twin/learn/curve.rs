@@ -4,12 +4,10 @@ use plotters::prelude::*;
 
 use super::LearnError;
 use super::checkpoint::EpochRecord;
+use crate::scenario::plot;
 
-const SIZE_PX: (u32, u32) = (760, 460);
-
-/// Okabe and Ito's blue and vermilion.
-const TRAIN: RGBColor = RGBColor(0, 114, 178);
-const VALIDATION: RGBColor = RGBColor(213, 94, 0);
+const TRAIN: RGBColor = plot::BLUE;
+const VALIDATION: RGBColor = plot::VERMILION;
 
 /// The curve as SVG; `best_epoch` is marked.
 ///
@@ -30,9 +28,8 @@ fn draw(
     title: &str,
     curve: &[EpochRecord],
     best_epoch: usize,
-) -> Result<(), Box<dyn std::error::Error>> {
-    let area = SVGBackend::with_string(text, SIZE_PX).into_drawing_area();
-    area.fill(&WHITE)?;
+) -> Result<(), plot::DrawingError> {
+    let area = plot::ground(text, plot::SIZE_PX)?;
     let losses = curve.iter().flat_map(|r| [r.train_loss, r.validation_loss]);
     let (low, high) = losses.fold((f64::MAX, 1e-9_f64), |(l, h), v| (l.min(v.max(1e-9)), h.max(v)));
     let last = curve.len() as f64;
@@ -42,41 +39,26 @@ fn draw(
         .x_label_area_size(44)
         .y_label_area_size(70)
         .build_cartesian_2d(0.5..last + 0.5, (low * 0.8..high * 1.25).log_scale())?;
-    chart
-        .configure_mesh()
-        .x_desc("epoch")
-        .y_desc("mean squared z-score")
+    plot::plain(&mut chart.configure_mesh(), ["epoch", "mean squared z-score"], [13, 15])
         .y_label_formatter(&|y: &f64| format!("{y:.3}"))
-        .label_style(("sans-serif", 13))
-        .axis_desc_style(("sans-serif", 15))
-        .light_line_style(WHITE)
         .draw()?;
     let line = |of: fn(&EpochRecord) -> f64, colour: RGBColor| {
         let points: Vec<(f64, f64)> = curve.iter().map(|r| (r.epoch as f64, of(r))).collect();
         std::iter::once(PathElement::new(points, colour.stroke_width(2)))
     };
-    let key = |(x, y): (i32, i32), colour: RGBColor| {
-        PathElement::new(vec![(x, y), (x + 18, y)], colour.stroke_width(2))
-    };
     chart
         .draw_series(line(|r| r.train_loss, TRAIN))?
         .label("training, with noise on the forces")
-        .legend(move |at| key(at, TRAIN));
+        .legend(|at| plot::key(at, TRAIN.stroke_width(2)));
     chart
         .draw_series(line(|r| r.validation_loss, VALIDATION))?
         .label("validation")
-        .legend(move |at| key(at, VALIDATION));
+        .legend(|at| plot::key(at, VALIDATION.stroke_width(2)));
     let best = curve.iter().filter(|r| r.epoch == best_epoch);
     chart.draw_series(
         best.map(|r| Circle::new((r.epoch as f64, r.validation_loss), 5, VALIDATION.filled())),
     )?;
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::UpperRight)
-        .background_style(WHITE.mix(0.85))
-        .border_style(BLACK.mix(0.3))
-        .label_font(("sans-serif", 14))
-        .draw()?;
+    plot::legend(&mut chart)?;
     area.present()?;
     Ok(())
 }

@@ -1,6 +1,7 @@
 //! A small scene for unit tests, beside the made-up ticks.
 
-use crate::mirror::scene::{Scene, SceneBody, SceneGroup, SceneRotor, SceneShape, ShapeInfo};
+use crate::mirror::scene::{Scene, SceneBody, SceneGroup, SceneRotor, ShapeInfo};
+use crate::model::Shape;
 use crate::tick::Pose;
 
 pub(crate) use crate::fixture::tick;
@@ -20,20 +21,15 @@ pub(crate) fn scene() -> Scene {
         group,
         shapes: vec![shape(form)],
     };
-    let mesh = SceneShape::Mesh {
+    let mesh = Shape::Mesh {
         vertices: vec![[0.0; 3], [1.0; 3], [0.0, 1.0, 0.0]],
         triangles: vec![[0, 1, 2]],
     };
     Scene {
         bodies: vec![
-            body(
-                "base_link",
-                true,
-                SceneGroup::Vehicle,
-                SceneShape::Box { size_m: [0.3, 0.3, 0.1] },
-            ),
+            body("base_link", true, SceneGroup::Vehicle, Shape::Box { size_m: [0.3, 0.3, 0.1] }),
             body("floor", false, SceneGroup::Arena, mesh),
-            body("cube", true, SceneGroup::Payload, SceneShape::Sphere { radius_m: 0.05 }),
+            body("cube", true, SceneGroup::Payload, Shape::Sphere { radius_m: 0.05 }),
         ],
         rotors: vec![SceneRotor { position_in_body: [0.23, 0.23, 0.05], radius_m: 0.15, spin: 1 }],
         base_body: "base_link".to_owned(),

@@ -57,50 +57,13 @@ pub enum SceneGroup {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, TS)]
 pub struct ShapeInfo {
     /// Form and size.
-    pub shape: SceneShape,
+    pub shape: Shape,
     /// Origin in the body's frame, m.
     pub position: [f64; 3],
     /// Body-from-shape quaternion, `[w x y z]`.
     pub quaternion_wxyz: [f64; 4],
     /// Colour and opacity, 0 to 1.
     pub rgba: [f32; 4],
-}
-
-/// Form and size of a shape, centred on its origin; cylinder and capsule along z.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, TS)]
-#[serde(rename_all = "snake_case", tag = "kind")]
-pub enum SceneShape {
-    /// A box.
-    Box {
-        /// Edge lengths, m.
-        size_m: [f64; 3],
-    },
-    /// A cylinder.
-    Cylinder {
-        /// Radius, m.
-        radius_m: f64,
-        /// Length, m.
-        length_m: f64,
-    },
-    /// A sphere.
-    Sphere {
-        /// Radius, m.
-        radius_m: f64,
-    },
-    /// A cylinder with two half spheres.
-    Capsule {
-        /// Radius, m.
-        radius_m: f64,
-        /// Length of the cylinder part, m.
-        length_m: f64,
-    },
-    /// Triangles.
-    Mesh {
-        /// Corners, m.
-        vertices: Vec<[f64; 3]>,
-        /// Indices into the corners.
-        triangles: Vec<[u32; 3]>,
-    },
 }
 
 /// One rotor disc.
@@ -117,21 +80,8 @@ pub struct SceneRotor {
 impl From<&Geometry> for ShapeInfo {
     fn from(geometry: &Geometry) -> Self {
         let rotation = geometry.origin.rotation;
-        let shape = match &geometry.shape {
-            Shape::Box { size_m } => SceneShape::Box { size_m: *size_m },
-            Shape::Cylinder { radius_m, length_m } => {
-                SceneShape::Cylinder { radius_m: *radius_m, length_m: *length_m }
-            }
-            Shape::Sphere { radius_m } => SceneShape::Sphere { radius_m: *radius_m },
-            Shape::Capsule { radius_m, length_m } => {
-                SceneShape::Capsule { radius_m: *radius_m, length_m: *length_m }
-            }
-            Shape::Mesh { vertices, triangles } => {
-                SceneShape::Mesh { vertices: vertices.clone(), triangles: triangles.clone() }
-            }
-        };
         Self {
-            shape,
+            shape: geometry.shape.clone(),
             position: geometry.origin.translation.vector.into(),
             quaternion_wxyz: [rotation.w, rotation.i, rotation.j, rotation.k],
             rgba: geometry.rgba,

@@ -1,6 +1,7 @@
 //! What is drawn for a vehicle of which no model is at hand: a plain quadrotor that claims to be nothing else.
 
-use super::scene::{Scene, SceneBody, SceneGroup, SceneRotor, SceneShape, ShapeInfo};
+use super::scene::{Scene, SceneBody, SceneGroup, SceneRotor, ShapeInfo};
+use crate::model::Shape;
 use crate::tick::Pose;
 
 /// Name of the stand-in's only body.
@@ -24,7 +25,7 @@ pub fn stand_in() -> Scene {
     let rotors =
         vec![rotor(1.0, -1.0, 1), rotor(-1.0, 1.0, 1), rotor(1.0, 1.0, -1), rotor(-1.0, -1.0, -1)];
     let shape = |size_m: [f64; 3], position: [f64; 3], half_yaw: f64, rgba| ShapeInfo {
-        shape: SceneShape::Box { size_m },
+        shape: Shape::Box { size_m },
         position,
         quaternion_wxyz: [half_yaw.cos(), 0.0, 0.0, half_yaw.sin()],
         rgba,

@@ -7,7 +7,8 @@ use foxglove::messages::{
 };
 use nalgebra::UnitQuaternion;
 
-use crate::mirror::scene::{Scene, SceneBody, SceneShape, ShapeInfo};
+use crate::mirror::scene::{Scene, SceneBody, ShapeInfo};
+use crate::model::Shape;
 use crate::tick::{self, Contact, EventKind, Tick};
 
 /// The frame all others hang under.
@@ -168,24 +169,24 @@ fn draw(entity: &mut SceneEntity, shape: &ShapeInfo, pose: Pose) {
         color: Some(color),
     };
     match &shape.shape {
-        SceneShape::Box { size_m } => {
+        Shape::Box { size_m } => {
             entity.cubes.push(CubePrimitive {
                 pose: Some(pose),
                 size: Some(vector(*size_m)),
                 color: Some(color),
             });
         }
-        SceneShape::Cylinder { radius_m, length_m } => {
+        Shape::Cylinder { radius_m, length_m } => {
             entity.cylinders.push(cylinder(*radius_m, *length_m, pose));
         }
-        SceneShape::Sphere { radius_m } => entity.spheres.push(sphere(*radius_m, pose)),
-        SceneShape::Capsule { radius_m, length_m } => {
+        Shape::Sphere { radius_m } => entity.spheres.push(sphere(*radius_m, pose)),
+        Shape::Capsule { radius_m, length_m } => {
             entity.cylinders.push(cylinder(*radius_m, *length_m, pose));
             for end in [-0.5, 0.5] {
                 entity.spheres.push(sphere(*radius_m, along_z(&pose, end * length_m)));
             }
         }
-        SceneShape::Mesh { vertices, triangles } => entity.triangles.push(TriangleListPrimitive {
+        Shape::Mesh { vertices, triangles } => entity.triangles.push(TriangleListPrimitive {
             pose: Some(pose),
             points: vertices.iter().map(|&[x, y, z]| Point3 { x, y, z }).collect(),
             color: Some(color),
@@ -301,7 +302,7 @@ mod tests {
     #[test]
     fn a_capsule_is_a_cylinder_with_a_sphere_at_each_end_of_its_turned_axis() {
         let shape = ShapeInfo {
-            shape: SceneShape::Capsule { radius_m: 0.1, length_m: 2.0 },
+            shape: Shape::Capsule { radius_m: 0.1, length_m: 2.0 },
             position: [0.0, 0.0, 1.0],
             // A quarter turn about y lays the axis along x.
             quaternion_wxyz: [0.5_f64.sqrt(), 0.0, 0.5_f64.sqrt(), 0.0],

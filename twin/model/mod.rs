@@ -23,7 +23,8 @@ mod tree;
 use std::path::PathBuf;
 
 use nalgebra::{Isometry3, Matrix3, Vector3};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use ts_rs::TS;
 
 pub use kinematics::{Arm, link_poses};
 pub use packages::Packages;
@@ -78,8 +79,9 @@ pub struct Geometry {
 }
 
 /// A solid; cylinders and capsules lie along z, all but meshes are centred on their origin.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, TS)]
 #[serde(tag = "kind", rename_all = "snake_case")]
+#[ts(rename = "SceneShape")]
 pub enum Shape {
     /// A cuboid.
     Box {

@@ -5,6 +5,7 @@ use std::io::Read;
 use flate2::read::GzDecoder;
 
 use super::{Assets, ReplayError, fill};
+use crate::scenario::markup::escaped;
 
 include!(concat!(env!("OUT_DIR"), "/replay.rs"));
 
@@ -32,9 +33,4 @@ fn unpacked() -> Result<Assets, ReplayError> {
         assets.insert(name, text);
     }
     Ok(assets)
-}
-
-/// `text` as it may stand in HTML.
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }

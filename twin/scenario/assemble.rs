@@ -23,7 +23,9 @@ use crate::residual::{
     RandomFeatures, lra,
 };
 use crate::task::path::Curve;
-use crate::task::{Excitation, FollowPath, Hover, Mission, PickPlace, Region, Task, ToolKinematics};
+use crate::task::{
+    Excitation, FollowPath, Hover, Mission, PickPlace, Region, Task, ToolKinematics,
+};
 use crate::tick::{GripperCommand, Setpoint};
 use crate::tuning::{Tuning, TuningError};
 

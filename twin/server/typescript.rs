@@ -45,7 +45,7 @@ fn text() -> String {
         declaration::<s::ScenePose>(c),
         declaration::<s::SceneGroup>(c),
         declaration::<s::ShapeInfo>(c),
-        declaration::<s::SceneShape>(c),
+        declaration::<crate::model::Shape>(c),
         declaration::<s::SceneRotor>(c),
     ];
     format!(

@@ -11,7 +11,6 @@ use serde::ser::SerializeStruct;
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::{Case, Plan, SuiteReport, record};
-use crate::replay;
 use crate::scenario::{Broken, Report, Scenario, fly};
 
 /// How cases are flown.
@@ -23,9 +22,22 @@ pub struct Options {
     pub fail_fast: bool,
     /// Flights become the golden runs of their scenarios instead of being compared with them.
     pub update: bool,
-    /// Folder for recordings of flights that failed.
-    pub artifacts: Option<PathBuf>,
+    /// What flights that failed leave behind.
+    pub evidence: Option<Evidence>,
 }
+
+/// What a flight that failed leaves behind: its recording, and a page made of that.
+#[derive(Clone, Debug)]
+pub struct Evidence {
+    /// Where both are written.
+    pub folder: PathBuf,
+    /// Makes the page; `None`: recordings only.
+    pub make_page: Option<MakePage>,
+}
+
+/// Writes the page of a recording: file of the recording, file of the page, what the flight came to. Returns the second of the
+/// flight that the page opens at, or why there is no page.
+pub type MakePage = fn(&Path, &Path, &Report) -> Result<f64, String>;
 
 /// What became of a case.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -182,22 +194,33 @@ fn fly_case(case: &Case, options: &Options) -> CaseResult {
     };
     report.real_time_factor = Some(report.flight_s / result.wall_s.max(1e-9));
     // A sample may fail; its overrides, named in the message, fly it again.
-    if let (false, Some(folder), None) = (report.passed, &options.artifacts, &case.sample) {
-        let path = folder.join(file_name(&case.name));
-        match record::flown_again(&scenario, &report, &path) {
-            Ok(()) => {
-                let page = path.with_extension("html");
-                match replay::export(&path, &page, Some(&report)) {
-                    Ok(opens_at_s) => result.replay = Some((page, opens_at_s)),
-                    Err(error) => result.artifact_trouble = Some(error.to_string()),
-                }
-                result.artifact = Some(path);
-            }
-            Err(error) => result.artifact_trouble = Some(error.to_string()),
-        }
+    if let (false, Some(evidence), None) = (report.passed, &options.evidence, &case.sample) {
+        keep_evidence(&mut result, evidence, &scenario, &report);
     }
     result.outcome = Outcome::Flown(Box::new(report));
     result
+}
+
+/// Writes what a failed flight of `scenario` leaves behind, and notes in `result` where it lies.
+fn keep_evidence(
+    result: &mut CaseResult,
+    Evidence { folder, make_page }: &Evidence,
+    scenario: &Scenario,
+    report: &Report,
+) {
+    let path = folder.join(file_name(&result.case.name));
+    if let Err(error) = record::flown_again(scenario, report, &path) {
+        result.artifact_trouble = Some(error.to_string());
+        return;
+    }
+    if let Some(make_page) = make_page {
+        let page = path.with_extension("html");
+        match make_page(&path, &page, report) {
+            Ok(opens_at_s) => result.replay = Some((page, opens_at_s)),
+            Err(why) => result.artifact_trouble = Some(why),
+        }
+    }
+    result.artifact = Some(path);
 }
 
 /// `name` as the name of a recording.

@@ -7,7 +7,7 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use twin::evaluate::entrants::{Candidate, trained, unfilled, untrained, untrained_names};
 use twin::evaluate::fit::{Baseline, fit};
-use twin::evaluate::prediction::{rows, spreads};
+use twin::evaluate::prediction::{COLUMNS, Column, rows, spreads};
 use twin::evaluate::{PredictionTable, Series, Statistics, prediction_page};
 use twin::residual::HORIZON;
 use twin::scenario::Scenario;
@@ -131,39 +131,25 @@ fn candidates(
     Ok(all)
 }
 
+/// Blanks before each of [`COLUMNS`] and its width in the terminal.
+const PLACES: [(usize, usize); COLUMNS.len()] =
+    [(2, 6), (1, 7), (1, 6), (1, 7), (2, 7), (1, 7), (2, 6), (1, 8), (2, 7), (1, 7)];
+
 fn print_table(table: &PredictionTable) {
-    println!(
-        "{:30} {:>8}  {:>6} {:>7} {:>6} {:>7}  {:>7} {:>7}  {:>6} {:>8}  {:>7} {:>7}   paper: RMSE    R²     ms",
-        "a priori",
-        "params",
-        "RMSE z",
-        "R²",
-        "j=6",
-        "R² j=6",
-        "N",
-        "N m",
-        "|eps|",
-        "leverage",
-        "ms p50",
-        "p99"
-    );
+    let columns = || COLUMNS.into_iter().zip(PLACES);
+    let heads: String = columns()
+        .map(|(column, (gap, width))| format!("{:gap$}{:>width$}", "", column.short))
+        .collect();
+    println!("{:30} {:>8}{heads}   paper: RMSE    R²     ms", "a priori", "params");
     for row in &table.rows {
-        let r = &row.replayed;
-        let (now, last) = (&r.horizons[0], &r.horizons[HORIZON]);
+        let figure = |(Column { decimals, value, .. }, (gap, width)): (Column, (usize, usize))| {
+            format!("{:gap$}{:width$.decimals$}", "", value(&row.replayed))
+        };
         println!(
-            "{:30} {:>8}  {:6.3} {:7.3} {:6.3} {:7.3}  {:7.3} {:7.4}  {:6.3} {:8.3}  {:7.3} {:7.3}   {}",
+            "{:30} {:>8}{}   {}",
             row.label,
             row.parameters.map_or_else(|| "-".to_owned(), |n| n.to_string()),
-            now.rmse_z,
-            now.r2,
-            last.rmse_z,
-            last.r2,
-            now.rmse_n,
-            now.rmse_n_m,
-            r.innovation_norm_mean,
-            r.leverage,
-            r.inference_ms_p50,
-            r.inference_ms_p99,
+            columns().map(figure).collect::<String>(),
             row.paper.map_or_else(String::new, paper_cells),
         );
     }

@@ -2,7 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::mirror::scene::{Scene, SceneShape};
+use crate::mirror::scene::Scene;
+use crate::model::Shape;
 use crate::server::telemetry::Picture;
 
 /// Root of everything drawn.
@@ -42,7 +43,7 @@ pub(super) struct Part {
     /// Node-from-part quaternion, `[w x y z]`.
     pub quaternion_wxyz: [f64; 4],
     /// Form and size; never a capsule, which the pinned viewers lack.
-    pub shape: SceneShape,
+    pub shape: Shape,
     /// Colour and opacity, 0 to 1.
     pub rgba: [f32; 4],
 }
@@ -104,9 +105,9 @@ impl Drawing {
     ) {
         for (index, (part, rgba)) in shapes.enumerate() {
             let shape = match part.shape {
-                SceneShape::Capsule { radius_m, length_m } => {
+                Shape::Capsule { radius_m, length_m } => {
                     let (vertices, triangles) = capsule(radius_m, length_m);
-                    SceneShape::Mesh { vertices, triangles }
+                    Shape::Mesh { vertices, triangles }
                 }
                 ref other => other.clone(),
             };
@@ -126,10 +127,7 @@ impl Drawing {
                 path: format!("{node}/rotor{}", index + 1),
                 position: rotor.position_in_body,
                 quaternion_wxyz: [1.0, 0.0, 0.0, 0.0],
-                shape: SceneShape::Cylinder {
-                    radius_m: rotor.radius_m,
-                    length_m: ROTOR_THICKNESS_M,
-                },
+                shape: Shape::Cylinder { radius_m: rotor.radius_m, length_m: ROTOR_THICKNESS_M },
                 rgba,
             });
         }
@@ -246,7 +244,7 @@ mod tests {
         for part in &drawing.parts {
             let (node, _) = part.path.rsplit_once('/').expect("a path");
             assert!(drawing.nodes.iter().any(|known| known.path == node), "{node}");
-            assert!(!matches!(part.shape, SceneShape::Capsule { .. }));
+            assert!(!matches!(part.shape, Shape::Capsule { .. }));
         }
         paths.extend(drawing.parts.iter().map(|part| part.path.as_str()));
         let count = paths.len();

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use nalgebra::{Isometry3, Matrix4, Quaternion, Translation3, UnitQuaternion, Vector3};
 use rmpv::Value;
 
-use crate::mirror::scene::SceneShape;
+use crate::model::Shape;
 use crate::server::viewers::drawing::{Part, rgb};
 use crate::server::viewers::pack::{encode, f32_bytes, map, numbers, u32_bytes};
 
@@ -120,20 +120,19 @@ fn set_line_segments_as(
     map! { "type" => "set_object", "object" => object, "path" => path }
 }
 
-fn shape(shape: &SceneShape, id: &str) -> Value {
+fn shape(shape: &Shape, id: &str) -> Value {
     match shape {
-        SceneShape::Box { size_m: [x, y, z] } => map! {
+        Shape::Box { size_m: [x, y, z] } => map! {
             "uuid" => id, "type" => "BoxGeometry", "width" => *x, "height" => *y, "depth" => *z,
         },
-        SceneShape::Sphere { radius_m } => map! {
+        Shape::Sphere { radius_m } => map! {
             "uuid" => id,
             "type" => "SphereGeometry",
             "radius" => *radius_m,
             "widthSegments" => 20,
             "heightSegments" => 20,
         },
-        SceneShape::Cylinder { radius_m, length_m }
-        | SceneShape::Capsule { radius_m, length_m } => map! {
+        Shape::Cylinder { radius_m, length_m } | Shape::Capsule { radius_m, length_m } => map! {
             "uuid" => id,
             "type" => "CylinderGeometry",
             "radiusTop" => *radius_m,
@@ -141,7 +140,7 @@ fn shape(shape: &SceneShape, id: &str) -> Value {
             "height" => *length_m,
             "radialSegments" => 50,
         },
-        SceneShape::Mesh { vertices, triangles } => {
+        Shape::Mesh { vertices, triangles } => {
             let corners = f32_bytes(vertices.iter().flatten().map(|&value| value as f32));
             let indices = u32_bytes(triangles.iter().flatten().copied());
             map! {
@@ -186,7 +185,7 @@ fn material_of(kind: &str, rgb: [u8; 3], opacity: f32, id: &str) -> Value {
 /// Node-from-shape, column-major. three.js draws cylinders along y, and ours lie along z.
 fn own_matrix(part: &Part) -> [f64; 16] {
     let mut pose = isometry(part.position, part.quaternion_wxyz);
-    if matches!(part.shape, SceneShape::Cylinder { .. } | SceneShape::Capsule { .. }) {
+    if matches!(part.shape, Shape::Cylinder { .. } | Shape::Capsule { .. }) {
         let quarter = std::f64::consts::FRAC_PI_2;
         pose *= UnitQuaternion::from_axis_angle(&Vector3::x_axis(), quarter);
     }
@@ -247,7 +246,7 @@ fn column_major(matrix: &Matrix4<f64>) -> [f64; 16] {
 pub(super) mod tests {
     use super::*;
 
-    fn part(path: &str, shape: SceneShape, rgba: [f32; 4]) -> Part {
+    fn part(path: &str, shape: Shape, rgba: [f32; 4]) -> Part {
         let (position, quaternion_wxyz) = ([0.0; 3], [1.0, 0.0, 0.0, 0.0]);
         Part { path: path.to_owned(), position, quaternion_wxyz, shape, rgba }
     }
@@ -268,10 +267,9 @@ pub(super) mod tests {
 
     #[test]
     fn spheres_and_meshes_have_the_bytes_of_meshcat_python() {
-        let ball =
-            part("/meshcat/sphere", SceneShape::Sphere { radius_m: 0.3 }, [0.0, 1.0, 0.0, 0.5]);
+        let ball = part("/meshcat/sphere", Shape::Sphere { radius_m: 0.3 }, [0.0, 1.0, 0.0, 0.5]);
         let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-        let mesh = SceneShape::Mesh { vertices: corners, triangles: vec![[0, 1, 2]] };
+        let mesh = Shape::Mesh { vertices: corners, triangles: vec![[0, 1, 2]] };
         // 0x112233 as fractions.
         let sheet = part("/meshcat/tri", mesh, [17.0 / 255.0, 34.0 / 255.0, 0.2, 1.0]);
         for (name, part, first) in
@@ -293,8 +291,8 @@ pub(super) mod tests {
     #[test]
     fn boxes_and_cylinders_have_the_geometry_of_meshcat_python() {
         // Its material or its axis is another there, so only the geometry is the same command.
-        let brick = SceneShape::Box { size_m: [1.0, 0.5, 0.25] };
-        let tube = SceneShape::Cylinder { radius_m: 0.1, length_m: 1.0 };
+        let brick = Shape::Box { size_m: [1.0, 0.5, 0.25] };
+        let tube = Shape::Cylinder { radius_m: 0.1, length_m: 1.0 };
         for (name, solid, id) in [("set_object_box", brick, 2), ("set_object_cylinder", tube, 8)] {
             let Some(wanted) = reference(name) else { continue };
             let made = encode(&shape(&solid, &ids(id)[0]));
@@ -347,7 +345,7 @@ pub(super) mod tests {
 
     #[test]
     fn a_cylinder_along_z_is_turned_from_the_y_axis_of_three_js() {
-        let shape = SceneShape::Cylinder { radius_m: 0.1, length_m: 1.0 };
+        let shape = Shape::Cylinder { radius_m: 0.1, length_m: 1.0 };
         let matrix = own_matrix(&part("/x", shape, [1.0; 4]));
         // The second column is where y goes: to z.
         for (found, wanted) in matrix[4..7].iter().zip([0.0, 0.0, 1.0]) {

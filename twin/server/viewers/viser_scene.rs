@@ -2,7 +2,7 @@
 
 use rmpv::Value;
 
-use crate::mirror::scene::SceneShape;
+use crate::model::Shape;
 use crate::server::viewers::drawing::{Drawing, Part, ROOT, rgb};
 use crate::server::viewers::forces::{ARROWS, Arrow, FORCES};
 use crate::server::viewers::pack::{f32_bytes, map, numbers, u32_bytes};
@@ -197,13 +197,12 @@ fn grid() -> Value {
 
 fn add(part: &Part, batch: &mut Batch) {
     let (kind, mut props) = match &part.shape {
-        SceneShape::Box { size_m } => ("BoxMessage", vec![("dimensions", numbers(*size_m))]),
-        SceneShape::Sphere { radius_m } => (
+        Shape::Box { size_m } => ("BoxMessage", vec![("dimensions", numbers(*size_m))]),
+        Shape::Sphere { radius_m } => (
             "IcosphereMessage",
             vec![("radius", Value::F64(*radius_m)), ("subdivisions", Value::from(3))],
         ),
-        SceneShape::Cylinder { radius_m, length_m }
-        | SceneShape::Capsule { radius_m, length_m } => (
+        Shape::Cylinder { radius_m, length_m } | Shape::Capsule { radius_m, length_m } => (
             "CylinderMessage",
             vec![
                 ("radius", Value::F64(*radius_m)),
@@ -211,7 +210,7 @@ fn add(part: &Part, batch: &mut Batch) {
                 ("radial_segments", Value::from(48)),
             ],
         ),
-        SceneShape::Mesh { vertices, triangles } => {
+        Shape::Mesh { vertices, triangles } => {
             let corners = f32_bytes(vertices.iter().flatten().map(|&value| value as f32));
             let vertices = batch.array("<f4", corners);
             let faces = batch.array("<u4", u32_bytes(triangles.iter().flatten().copied()));
