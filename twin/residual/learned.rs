@@ -11,14 +11,10 @@ pub mod transformer;
 
 use serde::{Deserialize, Serialize};
 
-use super::weights::{Weights, WeightsError};
+use super::weights::{ModelKind, Weights, WeightsError};
 use super::{History, Predictor, PredictorInfo};
 use crate::notation::{Coords, N};
 use crate::tick::Forecast;
-
-/// Words of the models in the heads of their files.
-pub const NAMES: [&str; 5] =
-    [lstm::NAME, transformer::NAME, gpt2::NAME, neural_fly::NAME, mlp::NAME];
 
 /// Most of any size: what fits into memory.
 const MOST: usize = 4096;
@@ -116,42 +112,53 @@ pub trait Network: Send {
     fn learn(&mut self, _hidden: &[f32], _residual: &[f32]) {}
 }
 
+/// How a baseline is read from a file.
+struct Layout {
+    /// Name and shape of every tensor.
+    tensors: fn(&Sizes) -> Shapes,
+    /// The network of tensors that were checked.
+    load: fn(&Weights, &Sizes) -> Box<dyn Network>,
+}
+
+impl Layout {
+    /// The layout of the baseline `kind`; `None` for the FDT, which is none.
+    fn of(kind: ModelKind) -> Option<Self> {
+        Some(match kind {
+            ModelKind::Fdt => return None,
+            ModelKind::Lstm => {
+                Self { tensors: lstm::tensors, load: |w, s| Box::new(lstm::Lstm::new(w, s)) }
+            }
+            ModelKind::Transformer => Self {
+                tensors: transformer::tensors,
+                load: |w, s| Box::new(transformer::Transformer::new(w, s)),
+            },
+            ModelKind::Gpt2 => {
+                Self { tensors: gpt2::tensors, load: |w, s| Box::new(gpt2::Gpt2::new(w, s)) }
+            }
+            ModelKind::NeuralFly => Self {
+                tensors: neural_fly::tensors,
+                load: |w, s| Box::new(neural_fly::NeuralFly::new(w, s)),
+            },
+            ModelKind::Mlp => {
+                Self { tensors: mlp::tensors, load: |w, s| Box::new(mlp::Mlp::new(w, s)) }
+            }
+        })
+    }
+}
+
 /// The network of `weights`.
 ///
 /// # Errors
 /// [`WeightsError`] if they are of no baseline, or a tensor is not what it must be.
 pub fn network(weights: &Weights) -> Result<(Sizes, Box<dyn Network>), WeightsError> {
     let sizes = Sizes::of(weights)?;
-    let check = |shapes: Shapes| weights.check_tensors(&shapes);
-    let network: Box<dyn Network> = match weights.head.model.as_str() {
-        lstm::NAME => {
-            check(lstm::tensors(&sizes))?;
-            Box::new(lstm::Lstm::new(weights, &sizes))
-        }
-        transformer::NAME => {
-            check(transformer::tensors(&sizes))?;
-            Box::new(transformer::Transformer::new(weights, &sizes))
-        }
-        gpt2::NAME => {
-            check(gpt2::tensors(&sizes))?;
-            Box::new(gpt2::Gpt2::new(weights, &sizes))
-        }
-        neural_fly::NAME => {
-            check(neural_fly::tensors(&sizes))?;
-            Box::new(neural_fly::NeuralFly::new(weights, &sizes))
-        }
-        mlp::NAME => {
-            check(mlp::tensors(&sizes))?;
-            Box::new(mlp::Mlp::new(weights, &sizes))
-        }
-        found => {
-            return Err(WeightsError::Model {
-                found: found.to_owned(),
-                expected: "lstm, transformer, gpt2, neural_fly or mlp",
-            });
-        }
-    };
-    Ok((sizes, network))
+    let word = &weights.head.model;
+    let layout = ModelKind::named(word).and_then(Layout::of).ok_or_else(|| {
+        let expected = "lstm, transformer, gpt2, neural_fly or mlp";
+        WeightsError::Model { found: word.clone(), expected }
+    })?;
+    weights.check_tensors(&(layout.tensors)(&sizes))?;
+    Ok((sizes, (layout.load)(weights, &sizes)))
 }
 
 /// A baseline in flight.

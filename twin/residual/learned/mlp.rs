@@ -5,9 +5,6 @@ use super::super::nn::{Linear, relu_all};
 use super::super::weights::Weights;
 use super::{Network, Shapes, Sizes, linear};
 
-/// Its word.
-pub const NAME: &str = "mlp";
-
 /// Part of the error at the last tick that one step takes away (normalised gradient, so below 2 it is stable).
 const STEP: f32 = 0.05;
 

@@ -7,9 +7,6 @@ use super::super::nn::{Linear, relu_all};
 use super::super::weights::Weights;
 use super::{Network, Shapes, Sizes, linear};
 
-/// Its word.
-pub const NAME: &str = "neural_fly";
-
 /// Hidden layers before the features.
 pub const HIDDEN: usize = 3;
 
