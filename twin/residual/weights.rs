@@ -7,6 +7,7 @@ mod config;
 mod error;
 mod head;
 mod kind;
+pub(super) mod sizes;
 
 use std::collections::{BTreeMap, HashMap};
 
