@@ -85,7 +85,6 @@ fn build_web(web: &Path, out: &Path) -> Result<(String, String), Failure> {
     let console = build_console(web, out)?;
     let dist = out.join("replay");
     npm(web, &["run", "build:replay", "--", "--outDir", &dist.to_string_lossy(), "--emptyOutDir"])?;
-    fs::copy(web.join("replay.html"), dist.join("replay.html"))?;
     let mut replay = String::new();
     for name in ["replay.html", "replay.css", "replay.js"] {
         let file = compressed(&dist.join(name), &out.join("packed"))?;

@@ -2,8 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
-use twin::learn::config::{ModelKind, TrainConfig};
+use twin::learn::config::TrainConfig;
+use twin::residual::weights::ModelKind;
 
 use super::End;
 
@@ -38,8 +40,8 @@ pub(super) struct TrainArgs {
     #[arg(long, default_value = "small", value_name = "small|paper|FILE.toml")]
     config: String,
     /// What to train [default: what the configuration names, the FDT].
-    #[arg(long, value_enum)]
-    model: Option<Model>,
+    #[arg(long, value_parser = model_parser())]
+    model: Option<ModelKind>,
     /// Train the FDT and every baseline, one after the other.
     #[arg(long, conflicts_with = "model")]
     all: bool,
@@ -82,29 +84,10 @@ enum Where {
 /// Where weights are written if nobody says.
 const WEIGHTS: &str = "out/weights";
 
-/// What can be trained.
-#[derive(Clone, Copy, ValueEnum)]
-#[value(rename_all = "snake_case")]
-enum Model {
-    Fdt,
-    Lstm,
-    Transformer,
-    Gpt2,
-    NeuralFly,
-    Mlp,
-}
-
-impl Model {
-    fn kind(self) -> ModelKind {
-        match self {
-            Self::Fdt => ModelKind::Fdt,
-            Self::Lstm => ModelKind::Lstm,
-            Self::Transformer => ModelKind::Transformer,
-            Self::Gpt2 => ModelKind::Gpt2,
-            Self::NeuralFly => ModelKind::NeuralFly,
-            Self::Mlp => ModelKind::Mlp,
-        }
-    }
+/// Reads the word of a model.
+fn model_parser() -> impl TypedValueParser<Value = ModelKind> {
+    PossibleValuesParser::new(ModelKind::ALL.map(ModelKind::name))
+        .try_map(|word| ModelKind::named(&word).ok_or("no such model"))
 }
 
 /// What an ablation leaves out.
@@ -160,7 +143,7 @@ fn jobs(args: &TrainArgs) -> anyhow::Result<Vec<Job>> {
     let base = TrainConfig::named(&args.config)?;
     let kinds = match (args.all, args.model) {
         (true, _) => ModelKind::ALL.to_vec(),
-        (false, model) => vec![model.map_or(base.model, Model::kind)],
+        (false, model) => vec![model.unwrap_or(base.model)],
     };
     let folder = args.all.then(|| args.out.clone().unwrap_or_else(|| WEIGHTS.into()));
     let job = |kind: ModelKind| -> anyhow::Result<Job> {

@@ -5,45 +5,10 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::LearnError;
+use crate::residual::weights::ModelKind;
 
 const SMALL: &str = include_str!("configs/small.toml");
 const PAPER: &str = include_str!("configs/paper.toml");
-
-/// Models that can be trained.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ModelKind {
-    /// Factorized Dynamics Transformer.
-    Fdt,
-    /// LSTM.
-    Lstm,
-    /// Causal Transformer over time, sinusoidal positions.
-    Transformer,
-    /// GPT-2-style decoder over time, learned positions.
-    Gpt2,
-    /// Neural-Fly (DAIML).
-    NeuralFly,
-    /// MLP whose last layer adapts in flight.
-    Mlp,
-}
-
-impl ModelKind {
-    /// All of them, the FDT first.
-    pub const ALL: [Self; 6] =
-        [Self::Fdt, Self::Lstm, Self::Transformer, Self::Gpt2, Self::NeuralFly, Self::Mlp];
-
-    /// The word of flags and files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Fdt => "fdt",
-            Self::Lstm => "lstm",
-            Self::Transformer => "transformer",
-            Self::Gpt2 => "gpt2",
-            Self::NeuralFly => "neural_fly",
-            Self::Mlp => "mlp",
-        }
-    }
-}
 
 /// A training. Every key has a default, so a file states only what differs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -103,10 +103,6 @@ impl Fdt {
 }
 
 impl Network for Fdt {
-    fn name(&self) -> &'static str {
-        "fdt"
-    }
-
     fn config(&self) -> serde_json::Value {
         serde_json::to_value(self.config).unwrap_or_default()
     }

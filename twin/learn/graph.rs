@@ -198,9 +198,6 @@ pub struct Inputs {
 
 /// A model that can be trained.
 pub trait Network {
-    /// Its word in the head of the file.
-    fn name(&self) -> &'static str;
-
     /// Its sizes, for the head of the file.
     fn config(&self) -> serde_json::Value;
 

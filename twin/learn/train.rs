@@ -15,7 +15,7 @@ use super::LearnError;
 use super::adam::{Adam, learning_rate};
 use super::baselines;
 use super::checkpoint::{self, Checkpoint, EpochRecord, State};
-use super::config::{ModelKind, TrainConfig};
+use super::config::TrainConfig;
 use super::dataset::Dataset;
 use super::device::device;
 use super::fdt::Fdt;
@@ -25,7 +25,7 @@ use super::parameters::Parameters;
 use super::regime::{Basis, second_moment};
 use super::windows::{Batch, Place, Windows, generator};
 use crate::notation::TICK_S;
-use crate::residual::weights::{self, Acceptance, FORMAT, Head, Training, Weights};
+use crate::residual::weights::{self, Acceptance, FORMAT, Head, ModelKind, Training, Weights};
 
 /// Windows whose regime is looked at for its basis: every so many-th of the training.
 const REGIME_STRIDE: usize = 32;
@@ -313,7 +313,7 @@ impl<'a> Trainer<'a> {
         let masked = &self.request.config.masked;
         Head {
             format: FORMAT,
-            model: self.network.name().to_owned(),
+            model: self.request.config.model.name().to_owned(),
             config: self.network.config(),
             channel_names: data.channel_names.clone(),
             output_names: data.output_names.clone(),

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use burn_tensor::{Tensor, TensorData};
 
 use super::checkpoint::{Checkpoint, path_for};
-use super::config::{ModelKind, TrainConfig};
+use super::config::TrainConfig;
 use super::device::device;
 use super::graph::{Leaves, exclusive, values};
 use super::made::{dataset, tiny};
@@ -14,7 +14,7 @@ use super::parameters::Parameters;
 use super::train::{Outcome, Progress, Request, network, train};
 use super::windows::{Windows, generator};
 use super::{Dataset, LearnError};
-use crate::residual::weights::Weights;
+use crate::residual::weights::{ModelKind, Weights};
 use crate::residual::{fdt, learned};
 
 /// Two orders of summation in f32, numbers of order one.

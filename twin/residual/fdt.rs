@@ -27,9 +27,9 @@ mod model;
 
 use super::nn::Precision;
 use super::nn::kernels::Kernel;
+use super::scaling::Scaling;
 use super::weights::{Weights, WeightsError};
 use super::{History, Predictor, PredictorInfo};
-use crate::notation::{Coords, N};
 use crate::tick::Forecast;
 
 pub use fast::Fast;
@@ -38,11 +38,7 @@ pub use model::{Model, Output};
 /// The network with the statistics of its training data.
 pub struct Fdt {
     network: Fast,
-    /// Per channel: mean and reciprocal of the standard deviation; the latter zero where the channel is masked.
-    inputs: Vec<(f64, f64)>,
-    mean: Coords,
-    std: Coords,
-    regime_scale: f64,
+    scaling: Scaling,
     x: Vec<f32>,
     attends: Vec<String>,
 }
@@ -58,23 +54,9 @@ impl Fdt {
         precision: Precision,
     ) -> Result<Self, WeightsError> {
         let model = Model::new(weights)?;
-        weights.head.check_channels()?;
-        let n = &weights.head.normalisation;
-        let inputs = weights
-            .head
-            .channel_names
-            .iter()
-            .zip(n.input_mean.iter().zip(&n.input_std))
-            .map(|(name, (mean, std))| {
-                (*mean, if n.masked.contains(name) { 0.0 } else { std.recip() })
-            })
-            .collect();
         Ok(Self {
             x: vec![0.0; model.config.channels * model.config.t_long],
-            inputs,
-            mean: Coords::from_column_slice(&n.output_mean),
-            std: Coords::from_column_slice(&n.output_std),
-            regime_scale: n.regime_scale,
+            scaling: Scaling::new(&weights.head)?,
             attends: if model.config.long_memory {
                 weights.head.channel_names.clone()
             } else {
@@ -82,26 +64,6 @@ impl Fdt {
             },
             network: Fast::new(&model, kernel, precision),
         })
-    }
-
-    /// z-scored histories; what is missing at the start is the oldest entry, held.
-    fn window(&mut self, history: &History) {
-        let t_long = self.network.config().t_long;
-        let skip = history.len().saturating_sub(t_long);
-        let missing = t_long.saturating_sub(history.len());
-        for (tick, entry) in history.iter().skip(skip).enumerate() {
-            let parts = [&entry.chi, &entry.chi_dot, &entry.tau_previous];
-            let values = parts.into_iter().flat_map(|part| part.iter());
-            for (channel, (value, (mean, per_std))) in values.zip(&self.inputs).enumerate() {
-                // A masked channel is zero whatever it reads.
-                let z = if *per_std == 0.0 { 0.0 } else { ((value - mean) * per_std) as f32 };
-                let row = &mut self.x[channel * t_long..][..t_long];
-                row[missing + tick] = z;
-                if tick == 0 {
-                    row[..missing].fill(z);
-                }
-            }
-        }
     }
 }
 
@@ -116,22 +78,15 @@ impl Predictor for Fdt {
 
     fn info(&self) -> PredictorInfo {
         PredictorInfo {
-            scale: self.std,
+            scale: self.scaling.std,
             attends: self.attends.clone(),
             kernel: self.network.arithmetic(),
         }
     }
 
     fn predict(&mut self, history: &History) -> Forecast {
-        self.window(history);
+        self.scaling.window(history, self.history_len(), &mut self.x);
         let Output { residual, regime, attention } = self.network.forward(&self.x);
-        let physical = |z: &[f32]| {
-            Coords::from_fn(|row, _| f64::from(z[row])).component_mul(&self.std) + self.mean
-        };
-        Forecast {
-            base: residual.chunks_exact(N).map(physical).collect(),
-            regime: regime.iter().map(|g| f64::from(*g) * self.regime_scale).collect(),
-            attention: attention.iter().map(|weight| f64::from(*weight)).collect(),
-        }
+        self.scaling.forecast(&residual, &regime, &attention)
     }
 }

@@ -7,18 +7,15 @@ pub mod gpt2;
 pub mod lstm;
 pub mod mlp;
 pub mod neural_fly;
+mod stack;
 pub mod transformer;
 
 use serde::{Deserialize, Serialize};
 
-use super::weights::{Weights, WeightsError};
+use super::scaling::Scaling;
+use super::weights::{self, ModelKind, Weights, WeightsError};
 use super::{History, Predictor, PredictorInfo};
-use crate::notation::{Coords, N};
 use crate::tick::Forecast;
-
-/// Words of the models in the heads of their files.
-pub const NAMES: [&str; 5] =
-    [lstm::NAME, transformer::NAME, gpt2::NAME, neural_fly::NAME, mlp::NAME];
 
 /// Most of any size: what fits into memory.
 const MOST: usize = 4096;
@@ -55,19 +52,9 @@ impl Sizes {
 
     /// The sizes in a head.
     fn of(weights: &Weights) -> Result<Self, WeightsError> {
-        let head = &weights.head;
-        let sizes: Self = serde_json::from_value(head.config.clone())
-            .map_err(|error| WeightsError::Head { reason: format!("config: {error}") })?;
-        for (key, found, expected) in [
-            ("channels", sizes.channels, head.channel_names.len()),
-            ("outputs", sizes.outputs, head.output_names.len()),
-        ] {
-            if found != expected {
-                let expected = format!("{expected}, as many as the head names");
-                return Err(WeightsError::Config { key, found: found.to_string(), expected });
-            }
-        }
-        let within = [
+        let sizes: Self = weights::sizes::read(&weights.head)?;
+        weights::sizes::fit(&weights.head, sizes.channels, sizes.outputs)?;
+        weights::sizes::within(&[
             ("t_long", sizes.t_long, MOST),
             ("d_model", sizes.d_model, MOST),
             ("heads", sizes.heads, sizes.d_model),
@@ -75,20 +62,8 @@ impl Sizes {
             ("d_k", sizes.d_k, MOST),
             ("layers", sizes.layers, 64),
             ("horizon", sizes.horizon + 1, 64),
-        ];
-        for (key, found, most) in within {
-            if !(1..=most).contains(&found) {
-                let expected = format!("1..={most}");
-                return Err(WeightsError::Config { key, found: found.to_string(), expected });
-            }
-        }
-        if !sizes.d_model.is_multiple_of(sizes.heads) {
-            return Err(WeightsError::Config {
-                key: "heads",
-                found: sizes.heads.to_string(),
-                expected: format!("a divisor of d_model = {}", sizes.d_model),
-            });
-        }
+        ])?;
+        weights::sizes::heads_divide(sizes.heads, sizes.d_model)?;
         Ok(sizes)
     }
 }
@@ -116,53 +91,60 @@ pub trait Network: Send {
     fn learn(&mut self, _hidden: &[f32], _residual: &[f32]) {}
 }
 
+/// How a baseline is read from a file.
+struct Layout {
+    /// Name and shape of every tensor.
+    tensors: fn(&Sizes) -> Shapes,
+    /// The network of tensors that were checked.
+    load: fn(&Weights, &Sizes) -> Box<dyn Network>,
+}
+
+impl Layout {
+    /// The layout of the baseline `kind`; `None` for the FDT, which is none.
+    fn of(kind: ModelKind) -> Option<Self> {
+        Some(match kind {
+            ModelKind::Fdt => return None,
+            ModelKind::Lstm => {
+                Self { tensors: lstm::tensors, load: |w, s| Box::new(lstm::Lstm::new(w, s)) }
+            }
+            ModelKind::Transformer => Self {
+                tensors: transformer::tensors,
+                load: |w, s| Box::new(transformer::Transformer::new(w, s)),
+            },
+            ModelKind::Gpt2 => {
+                Self { tensors: gpt2::tensors, load: |w, s| Box::new(gpt2::Gpt2::new(w, s)) }
+            }
+            ModelKind::NeuralFly => Self {
+                tensors: neural_fly::tensors,
+                load: |w, s| Box::new(neural_fly::NeuralFly::new(w, s)),
+            },
+            ModelKind::Mlp => {
+                Self { tensors: mlp::tensors, load: |w, s| Box::new(mlp::Mlp::new(w, s)) }
+            }
+        })
+    }
+}
+
 /// The network of `weights`.
 ///
 /// # Errors
 /// [`WeightsError`] if they are of no baseline, or a tensor is not what it must be.
 pub fn network(weights: &Weights) -> Result<(Sizes, Box<dyn Network>), WeightsError> {
     let sizes = Sizes::of(weights)?;
-    let check = |shapes: Shapes| weights.check_tensors(&shapes);
-    let network: Box<dyn Network> = match weights.head.model.as_str() {
-        lstm::NAME => {
-            check(lstm::tensors(&sizes))?;
-            Box::new(lstm::Lstm::new(weights, &sizes))
-        }
-        transformer::NAME => {
-            check(transformer::tensors(&sizes))?;
-            Box::new(transformer::Transformer::new(weights, &sizes))
-        }
-        gpt2::NAME => {
-            check(gpt2::tensors(&sizes))?;
-            Box::new(gpt2::Gpt2::new(weights, &sizes))
-        }
-        neural_fly::NAME => {
-            check(neural_fly::tensors(&sizes))?;
-            Box::new(neural_fly::NeuralFly::new(weights, &sizes))
-        }
-        mlp::NAME => {
-            check(mlp::tensors(&sizes))?;
-            Box::new(mlp::Mlp::new(weights, &sizes))
-        }
-        found => {
-            return Err(WeightsError::Model {
-                found: found.to_owned(),
-                expected: "lstm, transformer, gpt2, neural_fly or mlp",
-            });
-        }
-    };
-    Ok((sizes, network))
+    let word = &weights.head.model;
+    let layout = ModelKind::named(word).and_then(Layout::of).ok_or_else(|| {
+        let expected = "lstm, transformer, gpt2, neural_fly or mlp";
+        WeightsError::Model { found: word.clone(), expected }
+    })?;
+    weights.check_tensors(&(layout.tensors)(&sizes))?;
+    Ok((sizes, (layout.load)(weights, &sizes)))
 }
 
 /// A baseline in flight.
 pub struct Baseline {
     network: Box<dyn Network>,
     sizes: Sizes,
-    /// Per channel: mean and reciprocal of the standard deviation; the latter zero where the channel is masked.
-    inputs: Vec<(f64, f64)>,
-    mean: Coords,
-    std: Coords,
-    regime_scale: f64,
+    scaling: Scaling,
     /// The last hidden vector of the tick before.
     hidden: Vec<f32>,
 }
@@ -174,43 +156,7 @@ impl Baseline {
     /// [`WeightsError`] if they are of another model or vehicle, or a tensor is not what it must be.
     pub fn new(weights: &Weights) -> Result<Self, WeightsError> {
         let (sizes, network) = network(weights)?;
-        weights.head.check_channels()?;
-        let n = &weights.head.normalisation;
-        let channels = weights.head.channel_names.iter().zip(n.input_mean.iter().zip(&n.input_std));
-        let scale = |(name, (mean, std)): (&String, (&f64, &f64))| {
-            (*mean, if n.masked.contains(name) { 0.0 } else { std.recip() })
-        };
-        Ok(Self {
-            network,
-            sizes,
-            inputs: channels.map(scale).collect(),
-            mean: Coords::from_column_slice(&n.output_mean),
-            std: Coords::from_column_slice(&n.output_std),
-            regime_scale: n.regime_scale,
-            hidden: Vec::new(),
-        })
-    }
-
-    /// z-scored histories `[channels, t_long]`; what is missing at the start is the oldest entry, held.
-    fn window(&self, history: &History) -> Vec<f32> {
-        let t_long = self.sizes.t_long;
-        let skip = history.len().saturating_sub(t_long);
-        let missing = t_long.saturating_sub(history.len());
-        let mut x = vec![0.0; self.inputs.len() * t_long];
-        for (tick, entry) in history.iter().skip(skip).enumerate() {
-            let parts = [&entry.chi, &entry.chi_dot, &entry.tau_previous];
-            let values = parts.into_iter().flat_map(|part| part.iter());
-            for (channel, (value, (mean, per_std))) in values.zip(&self.inputs).enumerate() {
-                // A masked channel is zero whatever it reads.
-                let z = if *per_std == 0.0 { 0.0 } else { ((value - mean) * per_std) as f32 };
-                let row = &mut x[channel * t_long..][..t_long];
-                row[missing + tick] = z;
-                if tick == 0 {
-                    row[..missing].fill(z);
-                }
-            }
-        }
-        x
+        Ok(Self { network, sizes, scaling: Scaling::new(&weights.head)?, hidden: Vec::new() })
     }
 }
 
@@ -224,26 +170,20 @@ impl Predictor for Baseline {
     }
 
     fn info(&self) -> PredictorInfo {
-        PredictorInfo { scale: self.std, ..PredictorInfo::default() }
+        PredictorInfo { scale: self.scaling.std, ..PredictorInfo::default() }
     }
 
     fn predict(&mut self, history: &History) -> Forecast {
         if let Some(entry) = history.newest().filter(|_| !self.hidden.is_empty()) {
-            let z = (entry.residual_previous - self.mean).component_div(&self.std);
-            let z: Vec<f32> = z.iter().map(|v| *v as f32).collect();
+            let z = self.scaling.z_scores(&entry.residual_previous);
             if z.iter().all(|v| v.is_finite()) {
                 self.network.learn(&self.hidden, &z);
             }
         }
-        let (residual, hidden) = self.network.forward(&self.window(history));
-        let physical = |z: &[f32]| {
-            Coords::from_fn(|row, _| f64::from(z[row])).component_mul(&self.std) + self.mean
-        };
-        let forecast = Forecast {
-            base: residual.chunks_exact(N).map(physical).collect(),
-            regime: hidden.iter().map(|g| f64::from(*g) * self.regime_scale).collect(),
-            attention: Vec::new(),
-        };
+        let mut x = vec![0.0; self.sizes.channels * self.sizes.t_long];
+        self.scaling.window(history, self.sizes.t_long, &mut x);
+        let (residual, hidden) = self.network.forward(&x);
+        let forecast = self.scaling.forecast(&residual, &hidden, &[]);
         self.hidden = if hidden.iter().all(|v| v.is_finite()) { hidden } else { Vec::new() };
         forecast
     }

@@ -14,6 +14,7 @@ pub mod lra;
 pub mod nn;
 pub mod persistence;
 pub mod random_features;
+mod scaling;
 pub mod trained;
 pub mod weights;
 

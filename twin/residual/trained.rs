@@ -3,7 +3,7 @@
 use super::baselines::{Gp, Sindy, gp, sindy};
 use super::nn::Precision;
 use super::nn::kernels::Kernel;
-use super::weights::{Weights, WeightsError};
+use super::weights::{ModelKind, Weights, WeightsError};
 use super::{Fdt, Predictor, learned};
 
 /// Models that fly from a file, as its head names them.
@@ -28,7 +28,6 @@ pub fn predictor(
 ) -> Result<Trained, WeightsError> {
     let all = weights.tensors.values().map(|tensor| tensor.values.len()).sum();
     let (predictor, parameters): (Box<dyn Predictor>, usize) = match weights.head.model.as_str() {
-        "fdt" => (Box::new(Fdt::new(weights, kernel, precision)?), all),
         sindy::NAME => {
             let model = Sindy::new(weights)?;
             let parameters = model.parameters();
@@ -39,10 +38,25 @@ pub fn predictor(
             let parameters = model.parameters();
             (Box::new(model), parameters)
         }
-        name if learned::NAMES.contains(&name) => (Box::new(learned::Baseline::new(weights)?), all),
-        found => {
-            return Err(WeightsError::Model { found: found.to_owned(), expected: MODELS });
-        }
+        word => match ModelKind::named(word) {
+            Some(ModelKind::Fdt) => (Box::new(Fdt::new(weights, kernel, precision)?), all),
+            Some(_) => (Box::new(learned::Baseline::new(weights)?), all),
+            None => {
+                return Err(WeightsError::Model { found: word.to_owned(), expected: MODELS });
+            }
+        },
     };
     Ok(Trained { predictor, parameters })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_sentence_of_models_names_every_one() {
+        let words: Vec<&str> = MODELS.split(", ").flat_map(|part| part.split(" or ")).collect();
+        let trained = ModelKind::ALL.map(ModelKind::name);
+        assert_eq!(words, [&trained[..], &[sindy::NAME, gp::NAME]].concat());
+    }
 }

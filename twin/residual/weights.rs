@@ -6,6 +6,8 @@
 mod config;
 mod error;
 mod head;
+mod kind;
+pub(super) mod sizes;
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -14,6 +16,7 @@ use safetensors::{Dtype, SafeTensorError, SafeTensors, tensor::TensorView};
 pub use config::FdtConfig;
 pub use error::WeightsError;
 pub use head::{Acceptance, FORMAT, Head, Normalisation, Training, channel_names, output_names};
+pub use kind::ModelKind;
 
 /// Key of the head in the metadata of the file.
 pub const HEAD_KEY: &str = "twin";

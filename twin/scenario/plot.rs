@@ -3,7 +3,6 @@
 use std::ops::Range;
 
 use plotters::chart::MeshStyle;
-use plotters::coord::cartesian::Cartesian2d;
 use plotters::coord::ranged1d::Ranged;
 use plotters::coord::{CoordTranslate, Shift};
 use plotters::prelude::*;
@@ -13,9 +12,6 @@ pub type DrawingError = Box<dyn std::error::Error>;
 
 /// A picture, or a part of one.
 pub type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-
-/// A chart on a picture.
-pub type Chart<'a, 'text, Coordinates> = ChartContext<'a, SVGBackend<'text>, Coordinates>;
 
 /// Width and height of a picture with its legend inside, px.
 pub const SIZE_PX: (u32, u32) = (760, 460);
@@ -50,11 +46,11 @@ pub fn ground(text: &mut String, size_px: (u32, u32)) -> Result<Area<'_>, Drawin
 }
 
 /// The axes are called `names` and have main lines only; their labels and names have `sizes_px`.
-pub fn plain<'m, 'a, 'b, X: Ranged, Y: Ranged>(
-    mesh: &'m mut MeshStyle<'a, 'b, X, Y, SVGBackend<'_>>,
+pub fn plain<'m, 'a, 'b, 'text, X: Ranged, Y: Ranged>(
+    mesh: &'m mut MeshStyle<'a, 'b, X, Y, SVGBackend<'text>>,
     names: [&str; 2],
     sizes_px: [u32; 2],
-) -> &'m mut MeshStyle<'a, 'b, X, Y, SVGBackend<'_>> {
+) -> &'m mut MeshStyle<'a, 'b, X, Y, SVGBackend<'text>> {
     mesh.x_desc(names[0])
         .y_desc(names[1])
         .label_style(("sans-serif", sizes_px[0]))
@@ -66,8 +62,8 @@ pub fn plain<'m, 'a, 'b, X: Ranged, Y: Ranged>(
 ///
 /// # Errors
 /// [`DrawingError`] of plotters.
-pub fn legend<Coordinates: CoordTranslate>(
-    chart: &mut Chart<'_, '_, Coordinates>,
+pub fn legend<'a, 'text: 'a, Coordinates: CoordTranslate>(
+    chart: &mut ChartContext<'a, SVGBackend<'text>, Coordinates>,
 ) -> Result<(), DrawingError> {
     chart
         .configure_series_labels()

@@ -4,32 +4,16 @@
 use burn_tensor::Tensor;
 use burn_tensor::activation::relu;
 
-use super::{head, readout};
-use crate::learn::graph::{Leaves, Network, Output};
-use crate::residual::learned::{Sizes, mlp};
+use super::readout;
+use crate::learn::graph::{Leaves, Output};
+use crate::residual::learned::Sizes;
 
-/// The network.
-pub(super) struct Mlp(pub(super) Sizes);
-
-impl Network for Mlp {
-    fn name(&self) -> &'static str {
-        mlp::NAME
+/// Forecast and last hidden vector.
+pub(super) fn forward(sizes: &Sizes, w: &Leaves, x: Tensor<3>) -> Output {
+    let [batch, channels, t] = x.dims();
+    let mut hidden: Tensor<2> = x.reshape([batch, channels * t]);
+    for layer in 0..sizes.layers {
+        hidden = relu(w.linear(&format!("hidden.{layer}"), hidden));
     }
-
-    fn config(&self) -> serde_json::Value {
-        head(&self.0)
-    }
-
-    fn tensors(&self) -> Vec<(String, Vec<usize>)> {
-        mlp::tensors(&self.0)
-    }
-
-    fn forward(&self, w: &Leaves, x: Tensor<3>) -> Output {
-        let [batch, channels, t] = x.dims();
-        let mut hidden: Tensor<2> = x.reshape([batch, channels * t]);
-        for layer in 0..self.0.layers {
-            hidden = relu(w.linear(&format!("hidden.{layer}"), hidden));
-        }
-        Output { forecast: readout(w, &self.0, hidden.clone()), regime: hidden }
-    }
+    Output { forecast: readout(w, sizes, hidden.clone()), regime: hidden }
 }

@@ -8,9 +8,10 @@ mod transformer;
 
 use burn_tensor::Tensor;
 
-use super::config::{ModelKind, TrainConfig};
-use super::graph::{Leaves, Network};
-use crate::residual::learned::Sizes;
+use super::config::TrainConfig;
+use super::graph::{Leaves, Network, Output};
+use crate::residual::learned::{self, Sizes};
+use crate::residual::weights::ModelKind;
 
 /// The network of a baseline for so many channels, rows and flights.
 pub fn network(
@@ -33,12 +34,37 @@ pub fn network(
         layers: config.layers,
         horizon: config.horizon,
     };
-    match config.model {
-        ModelKind::Lstm => Box::new(lstm::Lstm(sizes)),
-        ModelKind::Transformer => Box::new(transformer::Transformer(sizes)),
-        ModelKind::Gpt2 => Box::new(gpt2::Gpt2(sizes)),
-        ModelKind::NeuralFly => Box::new(neural_fly::NeuralFly { sizes, flights }),
-        ModelKind::Mlp | ModelKind::Fdt => Box::new(mlp::Mlp(sizes)),
+    let (forward, tensors): (Forward, _) = match config.model {
+        ModelKind::NeuralFly => return Box::new(neural_fly::NeuralFly { sizes, flights }),
+        ModelKind::Lstm => (lstm::forward, learned::lstm::tensors(&sizes)),
+        ModelKind::Transformer => (transformer::forward, learned::transformer::tensors(&sizes)),
+        ModelKind::Gpt2 => (gpt2::forward, learned::gpt2::tensors(&sizes)),
+        ModelKind::Mlp | ModelKind::Fdt => (mlp::forward, learned::mlp::tensors(&sizes)),
+    };
+    Box::new(Plain { sizes, tensors, forward })
+}
+
+/// The forward pass of a baseline: forecast and last hidden vector of the histories `[batch, channels, t]`.
+type Forward = fn(&Sizes, &Leaves, Tensor<3>) -> Output;
+
+/// A baseline of which only the forward pass is its own: it is trained as [`Network::loss`] says.
+struct Plain {
+    sizes: Sizes,
+    tensors: Vec<(String, Vec<usize>)>,
+    forward: Forward,
+}
+
+impl Network for Plain {
+    fn config(&self) -> serde_json::Value {
+        head(&self.sizes)
+    }
+
+    fn tensors(&self) -> Vec<(String, Vec<usize>)> {
+        self.tensors.clone()
+    }
+
+    fn forward(&self, w: &Leaves, x: Tensor<3>) -> Output {
+        (self.forward)(&self.sizes, w, x)
     }
 }
 

@@ -107,10 +107,6 @@ fn solve(a: Tensor<2>, b: Tensor<2>) -> Tensor<2> {
 }
 
 impl Network for NeuralFly {
-    fn name(&self) -> &'static str {
-        neural_fly::NAME
-    }
-
     fn config(&self) -> serde_json::Value {
         head(&self.sizes)
     }

@@ -4,44 +4,27 @@
 use burn_tensor::Tensor;
 use burn_tensor::activation::relu;
 
-use super::{causal_mask, head, readout, ticks};
-use crate::learn::graph::{Leaves, Network, Output, vector};
+use super::{causal_mask, readout, ticks};
+use crate::learn::graph::{Leaves, Output, vector};
 use crate::residual::learned::{Sizes, transformer};
 
-/// The network.
-pub(super) struct Transformer(pub(super) Sizes);
-
-impl Network for Transformer {
-    fn name(&self) -> &'static str {
-        transformer::NAME
+/// Forecast and last hidden vector.
+pub(super) fn forward(sizes: &Sizes, w: &Leaves, x: Tensor<3>) -> Output {
+    let Sizes { d_model: d, heads, layers, .. } = *sizes;
+    let [batch, _, t] = x.dims();
+    let positions: Tensor<3> = vector(transformer::positions(t, d), &w.device()).reshape([1, t, d]);
+    let mut tokens = w.linear("embed", ticks(x)).reshape::<3, _>([batch, t, d]) + positions;
+    let mask = causal_mask(w, t);
+    for layer in 0..layers {
+        let name = |part: &str| format!("layer.{layer}.{part}");
+        let (qkv, out) = (name("qkv"), name("out"));
+        let mixed = w.attend([&qkv, &out], heads, tokens.clone(), Some(mask.clone()));
+        let sum: Tensor<2> = (tokens + mixed).reshape([batch * t, d]);
+        let sum = w.norm(&name("attention_norm"), sum);
+        let hidden = relu(w.linear(&name("ffn.hidden"), sum.clone()));
+        let sum = sum + w.linear(&name("ffn.out"), hidden);
+        tokens = w.norm(&name("ffn_norm"), sum).reshape([batch, t, d]);
     }
-
-    fn config(&self) -> serde_json::Value {
-        head(&self.0)
-    }
-
-    fn tensors(&self) -> Vec<(String, Vec<usize>)> {
-        transformer::tensors(&self.0)
-    }
-
-    fn forward(&self, w: &Leaves, x: Tensor<3>) -> Output {
-        let Sizes { d_model: d, heads, layers, .. } = self.0;
-        let [batch, _, t] = x.dims();
-        let positions: Tensor<3> =
-            vector(transformer::positions(t, d), &w.device()).reshape([1, t, d]);
-        let mut tokens = w.linear("embed", ticks(x)).reshape::<3, _>([batch, t, d]) + positions;
-        let mask = causal_mask(w, t);
-        for layer in 0..layers {
-            let name = |part: &str| format!("layer.{layer}.{part}");
-            let (qkv, out) = (name("qkv"), name("out"));
-            let mixed = w.attend([&qkv, &out], heads, tokens.clone(), Some(mask.clone()));
-            let sum: Tensor<2> = (tokens + mixed).reshape([batch * t, d]);
-            let sum = w.norm(&name("attention_norm"), sum);
-            let hidden = relu(w.linear(&name("ffn.hidden"), sum.clone()));
-            let sum = sum + w.linear(&name("ffn.out"), hidden);
-            tokens = w.norm(&name("ffn_norm"), sum).reshape([batch, t, d]);
-        }
-        let regime: Tensor<2> = tokens.narrow(1, t - 1, 1).reshape([batch, d]);
-        Output { forecast: readout(w, &self.0, regime.clone()), regime }
-    }
+    let regime: Tensor<2> = tokens.narrow(1, t - 1, 1).reshape([batch, d]);
+    Output { forecast: readout(w, sizes, regime.clone()), regime }
 }

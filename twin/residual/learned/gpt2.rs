@@ -8,9 +8,6 @@ use super::super::weights::Weights;
 use super::transformer::{Block, block_tensors};
 use super::{Network, Shapes, Sizes, by_tick, linear, norm};
 
-/// Its word.
-pub const NAME: &str = "gpt2";
-
 /// Name and shape of every tensor.
 pub fn tensors(sizes: &Sizes) -> Shapes {
     let mut all = linear("embed", sizes.d_model, sizes.channels);

@@ -5,9 +5,6 @@ use super::super::nn::Linear;
 use super::super::weights::Weights;
 use super::{Network, Shapes, Sizes, by_tick, linear};
 
-/// Its word.
-pub const NAME: &str = "lstm";
-
 /// Name and shape of every tensor; the gates are input, forget, cell, output, in this order.
 pub fn tensors(sizes: &Sizes) -> Shapes {
     let Sizes { channels, d_model: d, .. } = *sizes;

@@ -1,39 +1,31 @@
 //! Multi-layer perceptron on the last ticks whose last layer goes on learning in flight by gradient. After Sanner and Slotine,
 //! Gaussian Networks for Direct Adaptive Control, IEEE TNN 3(6), 1992, with learned instead of Gaussian features.
 
-use super::super::nn::{Linear, relu_all};
+use super::super::nn::Linear;
 use super::super::weights::Weights;
+use super::stack::{self, Stack};
 use super::{Network, Shapes, Sizes, linear};
-
-/// Its word.
-pub const NAME: &str = "mlp";
 
 /// Part of the error at the last tick that one step takes away (normalised gradient, so below 2 it is stable).
 const STEP: f32 = 0.05;
 
 /// Name and shape of every tensor.
 pub fn tensors(sizes: &Sizes) -> Shapes {
-    let mut all = Vec::new();
-    for layer in 0..sizes.layers {
-        let inputs = if layer == 0 { sizes.channels * sizes.t_long } else { sizes.d_model };
-        all.extend(linear(&format!("hidden.{layer}"), sizes.d_model, inputs));
-    }
+    let mut all = stack::tensors(sizes.layers, sizes);
     all.extend(linear("readout", sizes.readout(), sizes.d_model));
     all
 }
 
 /// The network.
 pub struct Mlp {
-    hidden: Vec<Linear>,
+    hidden: Stack,
     readout: Linear,
 }
 
 impl Mlp {
     pub(super) fn new(weights: &Weights, sizes: &Sizes) -> Self {
-        let inputs = |layer| if layer == 0 { sizes.channels * sizes.t_long } else { sizes.d_model };
-        let layer = |layer| Linear::load(weights, &format!("hidden.{layer}"), inputs(layer));
         Self {
-            hidden: (0..sizes.layers).map(layer).collect(),
+            hidden: Stack::load(weights, sizes.layers, sizes),
             readout: Linear::load(weights, "readout", sizes.d_model),
         }
     }
@@ -41,11 +33,7 @@ impl Mlp {
 
 impl Network for Mlp {
     fn forward(&self, x: &[f32]) -> (Vec<f32>, Vec<f32>) {
-        let mut hidden = x.to_vec();
-        for layer in &self.hidden {
-            hidden = layer.apply(&hidden);
-            relu_all(&mut hidden);
-        }
+        let hidden = self.hidden.apply(x);
         (self.readout.apply(&hidden), hidden)
     }
 

@@ -3,12 +3,10 @@
 //! layer that adapts in flight by a regularised Kalman filter (their equations 6 to 8 without the tracking error, in discrete
 //! time).
 
-use super::super::nn::{Linear, relu_all};
+use super::super::nn::Linear;
 use super::super::weights::Weights;
+use super::stack::{self, Stack};
 use super::{Network, Shapes, Sizes, linear};
-
-/// Its word.
-pub const NAME: &str = "neural_fly";
 
 /// Hidden layers before the features.
 pub const HIDDEN: usize = 3;
@@ -25,11 +23,7 @@ const MEASUREMENT: f64 = 0.1;
 
 /// Name and shape of every tensor.
 pub fn tensors(sizes: &Sizes) -> Shapes {
-    let mut all = Vec::new();
-    for layer in 0..HIDDEN {
-        let inputs = if layer == 0 { sizes.channels * sizes.t_long } else { sizes.d_model };
-        all.extend(linear(&format!("hidden.{layer}"), sizes.d_model, inputs));
-    }
+    let mut all = stack::tensors(HIDDEN, sizes);
     all.extend(linear("features", sizes.d_k, sizes.d_model));
     all.extend(linear("readout", sizes.readout(), sizes.d_k));
     all
@@ -37,7 +31,7 @@ pub fn tensors(sizes: &Sizes) -> Shapes {
 
 /// The network.
 pub struct NeuralFly {
-    hidden: Vec<Linear>,
+    hidden: Stack,
     features: Linear,
     readout: Linear,
     /// What the adaptation has added to the last layer, `[outputs, d_k]`, z-scored.
@@ -48,12 +42,10 @@ pub struct NeuralFly {
 
 impl NeuralFly {
     pub(super) fn new(weights: &Weights, sizes: &Sizes) -> Self {
-        let inputs = |layer| if layer == 0 { sizes.channels * sizes.t_long } else { sizes.d_model };
-        let layer = |layer| Linear::load(weights, &format!("hidden.{layer}"), inputs(layer));
         let h = sizes.d_k;
         let diagonal = |i: usize| if i / h == i % h { START } else { 0.0 };
         Self {
-            hidden: (0..HIDDEN).map(layer).collect(),
+            hidden: Stack::load(weights, HIDDEN, sizes),
             features: Linear::load(weights, "features", sizes.d_model),
             readout: Linear::load(weights, "readout", h),
             added: vec![0.0; sizes.outputs * h],
@@ -74,11 +66,7 @@ impl NeuralFly {
 
 impl Network for NeuralFly {
     fn forward(&self, x: &[f32]) -> (Vec<f32>, Vec<f32>) {
-        let mut hidden = x.to_vec();
-        for layer in &self.hidden {
-            hidden = layer.apply(&hidden);
-            relu_all(&mut hidden);
-        }
+        let hidden = self.hidden.apply(x);
         let phi = self.features.apply(&hidden);
         let (mut said, added, outputs) =
             (self.readout.apply(&phi), self.correction(&phi), self.outputs());

@@ -7,9 +7,6 @@ use super::super::nn::{LayerNorm, Linear, add, relu_all};
 use super::super::weights::Weights;
 use super::{Network, Shapes, Sizes, by_tick, linear, norm};
 
-/// Its word.
-pub const NAME: &str = "transformer";
-
 /// Longest wavelength of the positions over 2 pi, ticks.
 const LONGEST: f64 = 10_000.0;
 

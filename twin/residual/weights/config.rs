@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Head, WeightsError};
+use super::{Head, WeightsError, sizes};
 
 /// Sizes and ablation flags. The letters are the paper's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -62,18 +62,9 @@ impl FdtConfig {
     /// # Errors
     /// [`WeightsError`] if it is not one, or if its sizes do not fit each other or the head.
     pub fn of(head: &Head) -> Result<Self, WeightsError> {
-        let config: Self = serde_json::from_value(head.config.clone())
-            .map_err(|error| WeightsError::Head { reason: format!("config: {error}") })?;
+        let config: Self = sizes::read(head)?;
         config.check()?;
-        for (key, found, expected) in [
-            ("channels", config.channels, head.channel_names.len()),
-            ("outputs", config.outputs, head.output_names.len()),
-        ] {
-            if found != expected {
-                let expected = format!("{expected}, as many as the head names");
-                return Err(WeightsError::Config { key, found: found.to_string(), expected });
-            }
-        }
+        sizes::fit(head, config.channels, config.outputs)?;
         Ok(config)
     }
 
@@ -82,7 +73,7 @@ impl FdtConfig {
     /// # Errors
     /// [`WeightsError::Config`] naming the first that does not.
     pub fn check(&self) -> Result<(), WeightsError> {
-        for (key, found, most) in [
+        sizes::within(&[
             ("channels", self.channels, 256),
             ("outputs", self.outputs, 64),
             ("t_short", self.t_short, self.t_long.min(1024)),
@@ -94,19 +85,8 @@ impl FdtConfig {
             ("layers", self.layers, 32),
             // One forecast at least.
             ("horizon", self.horizon + 1, 64),
-        ] {
-            if !(1..=most).contains(&found) {
-                let expected = format!("1..={most}");
-                return Err(WeightsError::Config { key, found: found.to_string(), expected });
-            }
-        }
-        if !self.d_model.is_multiple_of(self.heads) {
-            return Err(WeightsError::Config {
-                key: "heads",
-                found: self.heads.to_string(),
-                expected: format!("a divisor of d_model = {}", self.d_model),
-            });
-        }
+        ])?;
+        sizes::heads_divide(self.heads, self.d_model)?;
         if !self.short_horizon && !self.global_token {
             return Err(WeightsError::Config {
                 key: "global_token",

@@ -19,7 +19,7 @@ const RATE_TOLERANCE_HZ: f64 = 1e-6;
 pub struct Head {
     /// [`FORMAT`].
     pub format: u32,
-    /// `fdt`, or the name of a baseline.
+    /// A [`super::ModelKind`], or `sindy` or `gp`.
     pub model: String,
     /// Sizes and flags of the model; of `fdt` an [`super::FdtConfig`].
     pub config: serde_json::Value,
