@@ -4,6 +4,7 @@
 //! [`notation`] and [`tick`], read [`flight`]: it is one tick of the loop, top to bottom.
 
 pub mod control;
+pub mod elementary;
 pub mod evaluate;
 pub mod filter;
 pub mod flight;
