@@ -6,13 +6,14 @@ use std::path::{Path, PathBuf};
 /// For each module what it may use of this crate besides itself.
 const MAY_USE: &[(&str, &[&str])] = &[
     ("elementary", &[]),
+    ("normal", &["elementary"]),
     ("notation", &["elementary"]),
     ("tick", &["notation"]),
     ("filter", &["elementary"]),
     ("source", &["notation", "tick"]),
     ("model", &["elementary", "notation"]),
-    ("plant", &["elementary", "filter", "model", "notation", "source", "tick"]),
-    ("residual", &["elementary", "filter", "notation", "tick"]),
+    ("plant", &["elementary", "filter", "model", "normal", "notation", "source", "tick"]),
+    ("residual", &["elementary", "filter", "normal", "notation", "tick"]),
     ("control", &["elementary", "filter", "notation", "source", "tick"]),
     ("task", &["elementary", "filter", "model", "notation", "tick"]),
     // The registry of the values in force names what they belong to.
@@ -64,7 +65,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
         "evaluate",
         &["elementary", "flight", "mirror", "notation", "residual", "scenario", "tick", "tuning"],
     ),
-    ("learn", &["elementary", "mirror", "notation", "residual", "scenario", "tick"]),
+    ("learn", &["elementary", "mirror", "normal", "notation", "residual", "scenario", "tick"]),
     (
         "cli",
         &[

@@ -11,6 +11,7 @@ pub mod flight;
 pub mod learn;
 pub mod mirror;
 pub mod model;
+pub mod normal;
 pub mod notation;
 pub mod plant;
 pub mod replay;
