@@ -1,5 +1,6 @@
 //! Discrete filters on coordinate vectors. No state is shared between instances.
 
+use crate::elementary::{exp, tan};
 use std::f64::consts::{PI, SQRT_2};
 
 use nalgebra::SVector;
@@ -15,7 +16,7 @@ pub struct Butterworth<const D: usize> {
 impl<const D: usize> Butterworth<D> {
     /// Corner `corner_hz` at sample period `dt_s`; the state starts at rest at zero.
     pub fn new(corner_hz: f64, dt_s: f64) -> Self {
-        let k = (PI * corner_hz * dt_s).tan();
+        let k = tan(PI * corner_hz * dt_s);
         let norm = 1.0 / (1.0 + SQRT_2 * k + k * k);
         Self {
             b: [k * k * norm, 2.0 * k * k * norm, k * k * norm],
@@ -53,7 +54,7 @@ impl<const D: usize> LowPass<D> {
 
     /// One sample of `x` with corner `corner_hz`.
     pub fn step(&mut self, x: &SVector<f64, D>, corner_hz: f64, dt_s: f64) -> SVector<f64, D> {
-        let blend = 1.0 - (-2.0 * PI * corner_hz * dt_s).exp();
+        let blend = 1.0 - exp(-2.0 * PI * corner_hz * dt_s);
         let y = self.value.map_or(*x, |v| v + (x - v) * blend);
         self.value = Some(y);
         y
@@ -79,6 +80,7 @@ impl<const D: usize> Default for LowPass<D> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::elementary::{cos, powi, sin};
     use nalgebra::{Complex, Vector1};
 
     /// 0.1 %: what is left of the transient after 20 periods and of the sampled amplitude.
@@ -93,13 +95,13 @@ mod tests {
             let n = (20.0 / f_hz / dt_s).round() as usize;
             for i in 0..2 * n {
                 let phase = 2.0 * PI * f_hz * dt_s * i as f64;
-                let y = filter.step(&Vector1::new(phase.sin())).x;
+                let y = filter.step(&Vector1::new(sin(phase))).x;
                 if i >= n {
-                    response += Complex::new(y * phase.sin(), y * phase.cos()) * (2.0 / n as f64);
+                    response += Complex::new(y * sin(phase), y * cos(phase)) * (2.0 / n as f64);
                 }
             }
-            let warped = (PI * f_hz * dt_s).tan() / (PI * corner_hz * dt_s).tan();
-            let expected = 1.0 / (1.0 + warped.powi(4)).sqrt();
+            let warped = tan(PI * f_hz * dt_s) / tan(PI * corner_hz * dt_s);
+            let expected = 1.0 / (1.0 + powi(warped, 4)).sqrt();
             assert!(
                 (response.norm() - expected).abs() < AMPLITUDE_TOLERANCE,
                 "{f_hz} Hz: {}",
@@ -123,6 +125,6 @@ mod tests {
         filter.step(&Vector1::new(0.0), 5.0, 1e-3);
         let tau_steps = (1.0 / (2.0 * PI * 5.0) / 1e-3_f64).round() as usize;
         let y = (0..tau_steps).fold(0.0, |_, _| filter.step(&Vector1::new(1.0), 5.0, 1e-3).x);
-        assert!((y - (1.0 - (-1.0_f64).exp())).abs() < 0.01, "{y}");
+        assert!((y - (1.0 - exp(-1.0_f64))).abs() < 0.01, "{y}");
     }
 }

@@ -2,6 +2,7 @@
 
 use nalgebra::{Vector2, Vector3};
 
+use crate::elementary::sin;
 use crate::notation::{Coords, TICK_S};
 use crate::tick::{
     ActuatorCommand, Adaptation, Adapted, Contact, ControlState, Event, EventKind, Forecast,
@@ -11,7 +12,7 @@ use crate::tick::{
 
 /// A number without a short decimal form, different for every `index` and `salt`.
 pub(crate) fn number(index: u64, salt: u64) -> f64 {
-    (index as f64 * 0.37 + salt as f64 * 1.3).sin() / 3.0
+    sin(index as f64 * 0.37 + salt as f64 * 1.3) / 3.0
 }
 
 fn coords(index: u64, salt: u64) -> Coords {

@@ -4,6 +4,7 @@
 //! [`notation`] and [`tick`], read [`flight`]: it is one tick of the loop, top to bottom.
 
 pub mod control;
+pub mod elementary;
 pub mod evaluate;
 pub mod filter;
 #[cfg(test)]
@@ -12,6 +13,7 @@ pub mod flight;
 pub mod learn;
 pub mod mirror;
 pub mod model;
+pub mod normal;
 pub mod notation;
 pub mod plant;
 pub mod replay;

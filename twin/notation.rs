@@ -17,6 +17,7 @@
 //! - The innovation of the RLS step is a priori (it uses `W_{t-1}`).
 //! - Reset and adapted forecast follow the order of Algorithm 1, lines 6 to 8.
 
+use crate::elementary::{asin, atan2, sin_cos};
 use nalgebra::{Matrix3, SVector, Vector3};
 
 /// Number of generalised coordinates, `n = 6 + n_arm`.
@@ -42,9 +43,9 @@ pub type PerRotor = [f64; MAX_ROTORS];
 
 /// `world_from_body` for ZYX Euler angles `eta = [phi theta psi]`, rad.
 pub fn world_from_body(eta: &Vector3<f64>) -> Matrix3<f64> {
-    let (sp, cp) = eta.x.sin_cos();
-    let (st, ct) = eta.y.sin_cos();
-    let (sy, cy) = eta.z.sin_cos();
+    let (sp, cp) = sin_cos(eta.x);
+    let (st, ct) = sin_cos(eta.y);
+    let (sy, cy) = sin_cos(eta.z);
     Matrix3::new(
         cy * ct,
         cy * st * sp - sy * cp,
@@ -60,16 +61,16 @@ pub fn world_from_body(eta: &Vector3<f64>) -> Matrix3<f64> {
 
 /// `E(eta)`: angular velocity in the body frame is `E * eta_dot`.
 pub fn body_rate_from_euler_rate(eta: &Vector3<f64>) -> Matrix3<f64> {
-    let (sp, cp) = eta.x.sin_cos();
-    let (st, ct) = eta.y.sin_cos();
+    let (sp, cp) = sin_cos(eta.x);
+    let (st, ct) = sin_cos(eta.y);
     Matrix3::new(1.0, 0.0, -st, 0.0, cp, ct * sp, 0.0, -sp, ct * cp)
 }
 
 /// `E(eta)^-1`: `eta_dot = E^-1 * omega_in_body`. `cos(theta)` is kept away from zero, so the result is finite;
 /// `|theta| > 80°` is a [`crate::tick::Fault`] long before that matters.
 pub fn euler_rate_from_body_rate(eta: &Vector3<f64>) -> Matrix3<f64> {
-    let (sp, cp) = eta.x.sin_cos();
-    let (st, ct) = eta.y.sin_cos();
+    let (sp, cp) = sin_cos(eta.x);
+    let (st, ct) = sin_cos(eta.y);
     let ct = if ct.abs() < 1e-3 { 1e-3_f64.copysign(ct) } else { ct };
     let tt = st / ct;
     Matrix3::new(1.0, sp * tt, cp * tt, 0.0, cp, -sp, 0.0, sp / ct, cp / ct)
@@ -79,9 +80,9 @@ pub fn euler_rate_from_body_rate(eta: &Vector3<f64>) -> Matrix3<f64> {
 pub fn euler_from_rotation(world_from_body: &Matrix3<f64>) -> Vector3<f64> {
     let r = world_from_body;
     Vector3::new(
-        r[(2, 1)].atan2(r[(2, 2)]),
-        (-r[(2, 0)]).clamp(-1.0, 1.0).asin(),
-        r[(1, 0)].atan2(r[(0, 0)]),
+        atan2(r[(2, 1)], r[(2, 2)]),
+        asin((-r[(2, 0)]).clamp(-1.0, 1.0)),
+        atan2(r[(1, 0)], r[(0, 0)]),
     )
 }
 
@@ -112,6 +113,7 @@ pub fn attitude(c: &Coords) -> Vector3<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::elementary::{cos, sin};
     use proptest::prelude::*;
 
     /// Both sides are a handful of f64 products; 1e-12 is a thousand roundings.
@@ -143,7 +145,7 @@ mod tests {
         fn wrapped_angles_stay_in_range_and_keep_direction(a in -100.0..100.0f64) {
             let w = wrap_angle(a);
             prop_assert!(w > -std::f64::consts::PI - ROUNDING && w <= std::f64::consts::PI + ROUNDING);
-            prop_assert!((w.sin() - a.sin()).abs() < 1e-9 && (w.cos() - a.cos()).abs() < 1e-9);
+            prop_assert!((sin(w) - sin(a)).abs() < 1e-9 && (cos(w) - cos(a)).abs() < 1e-9);
         }
     }
 }

@@ -10,6 +10,7 @@ use std::io::BufRead;
 use std::path::Path;
 use std::time::Instant;
 
+use twin::elementary::sin;
 use twin::notation::Coords;
 use twin::residual::fdt::{Fast, Model};
 use twin::residual::lra::{Adapter, Settings};
@@ -101,7 +102,7 @@ impl Both {
         let fdt = Fdt::new(weights, kernel, precision).expect("weights of the vehicle");
         let mut history = History::new(fdt.history_len());
         for tick in 0..fdt.history_len() {
-            let wave = Coords::from_fn(|row, _| (0.1 * tick as f64 + row as f64).sin());
+            let wave = Coords::from_fn(|row, _| sin(0.1 * tick as f64 + row as f64));
             history.push(wave, wave, wave, wave);
         }
         let settings = Settings::default();

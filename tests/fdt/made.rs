@@ -1,8 +1,10 @@
 //! Weights and histories made of seeded chance: of any size, trained on nothing.
 
 use rand::SeedableRng;
-use rand_distr::{Distribution, StandardNormal};
+use rand::distr::Distribution;
 use rand_pcg::Pcg64;
+use twin::elementary::sin;
+use twin::normal::StandardNormal;
 use twin::residual::weights::{
     Acceptance, FORMAT, FdtConfig, Head, Normalisation, Tensor, Training, Weights, channel_names,
     output_names,
@@ -92,7 +94,7 @@ pub(crate) fn history(config: &FdtConfig, seed: u64) -> Vec<f32> {
     (0..config.channels)
         .flat_map(|_| {
             let (a, b, phase) = (chance.normal(), chance.normal(), chance.normal());
-            (0..config.t_long).map(move |t| a + b * (0.05 * t as f32 + phase).sin())
+            (0..config.t_long).map(move |t| a + b * sin(0.05 * t as f32 + phase))
         })
         .collect()
 }

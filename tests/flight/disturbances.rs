@@ -1,5 +1,6 @@
 //! Changes of the world act as physics says they must.
 
+use twin::elementary::squared;
 use twin::tick::{EventKind, Tick};
 
 use super::flown::{flown, mean, scenario};
@@ -64,7 +65,7 @@ fn the_ground_carries_a_part_of_the_weight() {
     let ticks = hover(&overrides);
     let share = mean(&ticks, 2.0, 4.0, lift_n) / mean(&ticks, 7.0, 9.0, lift_n);
     // Cheeseman and Bennett at h = 0.5 m with R = 0.30 m: 1 - (R / 4h)² = 0.9775 of the thrust is enough.
-    let wanted = 1.0 - (0.30_f64 / (4.0 * 0.5)).powi(2);
+    let wanted = 1.0 - squared(0.30_f64 / (4.0 * 0.5));
     assert!((share - wanted).abs() < 0.005, "{share:.4} of the thrust, theory says {wanted:.4}");
 }
 

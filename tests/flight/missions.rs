@@ -1,5 +1,6 @@
 //! Flights to their verdict: what must succeed, and what must not.
 
+use twin::elementary::squared;
 use twin::scenario::Verdict;
 use twin::tick::EventKind;
 
@@ -19,7 +20,7 @@ fn it_hovers_as_precisely_as_the_paper_says() {
         // Counted here, not by the metrics: from 2 s on, against the place in the scenario.
         let squares = |tick: &twin::tick::Tick| {
             let chi = tick.truth.as_ref().expect("it is simulated").chi;
-            chi[0].powi(2) + chi[1].powi(2) + (chi[2] - 1.2).powi(2)
+            squared(chi[0]) + squared(chi[1]) + squared(chi[2] - 1.2)
         };
         let rmse = mean(&ticks, 2.0, 12.0, squares).sqrt();
         assert!(rmse < HOVER_RMSE_M, "{preset}: {rmse:.4} m");

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 use mcap::records::MessageHeader;
 use nalgebra::{UnitQuaternion, Vector3};
+use twin::elementary::{cos, sin, squared};
 use twin::mirror::gather::gather;
 use twin::mirror::recorded::on_ticks;
 use twin::mirror::signals::{Signals, signals};
@@ -66,9 +67,9 @@ pub(crate) const PLAIN: Form = Form {
 /// World (ENU) position and yaw of the circle; the vehicle leans into it as it must.
 pub(crate) fn truth(t_s: f64) -> (Vector3<f64>, Vector3<f64>) {
     let angle = SPEED_RAD_S * t_s;
-    let position = Vector3::new(RADIUS_M * angle.cos(), RADIUS_M * angle.sin(), 1.5);
+    let position = Vector3::new(RADIUS_M * cos(angle), RADIUS_M * sin(angle), 1.5);
     let acceleration =
-        Vector3::new(-angle.cos(), -angle.sin(), 0.0) * RADIUS_M * SPEED_RAD_S.powi(2);
+        Vector3::new(-cos(angle), -sin(angle), 0.0) * RADIUS_M * squared(SPEED_RAD_S);
     (position, acceleration)
 }
 

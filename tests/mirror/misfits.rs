@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::io::Cursor;
 
 use mcap::records::MessageHeader;
+use twin::elementary::{cos, sin};
 use twin::mirror::gather::gather_from;
 use twin::mirror::{Map, OpenedFlight, Survey};
 
@@ -174,7 +175,7 @@ fn transforms_in_protobuf_give_the_pose_of_the_base() {
         child_frame_id: name.to_owned(),
         translation: Some(Vector3 { x, y: 0.5, z: 1.0 }),
         // A yaw that grows with x: what never changes was not measured.
-        rotation: Some(Quaternion { x: 0.0, y: 0.0, z: (x / 2.0).sin(), w: (x / 2.0).cos() }),
+        rotation: Some(Quaternion { x: 0.0, y: 0.0, z: sin(x / 2.0), w: cos(x / 2.0) }),
     };
     let schema = FrameTransforms::get_schema().expect("a schema");
     let mut writer = mcap::WriteOptions::new().create(Cursor::new(Vec::new())).expect("a writer");

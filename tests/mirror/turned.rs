@@ -5,6 +5,7 @@ use std::io::Cursor;
 
 use mcap::records::MessageHeader;
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
+use twin::elementary::{cos, powi};
 use twin::mirror::{Effort, Map, RecordedFlight, Torque, TorqueAxis, TorqueFit};
 use twin::scenario::shadow;
 
@@ -35,7 +36,7 @@ fn noise(ms: usize, salt: u64) -> f64 {
     for _ in 0..2 {
         x = (x ^ (x >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     }
-    (x >> 11) as f64 / 2.0_f64.powi(52) - 1.0
+    (x >> 11) as f64 / powi(2.0_f64, 52) - 1.0
 }
 
 /// Roll, pitch, yaw of `ned_from_frd`.
@@ -74,7 +75,7 @@ impl State {
         let gyroscopic =
             self.rate.cross(&inertia.component_mul(&self.rate)).component_div(&inertia);
         self.rate += (acts + self.gust + Vector3::x() * TRIM - gyroscopic) * 1e-3;
-        let thrust = 9.81 / (GAIN * now.x.cos() * now.y.cos());
+        let thrust = 9.81 / (GAIN * cos(now.x) * cos(now.y));
         self.velocity +=
             (self.attitude * Vector3::z() * (-GAIN * thrust) + Vector3::z() * 9.81) * 1e-3;
         self.position += self.velocity * 1e-3;

@@ -2,6 +2,7 @@
 
 use nalgebra::{DVector, Isometry3, Matrix3, Matrix4, Vector3};
 use rapier3d_f64::prelude::*;
+use twin::elementary::sin;
 use twin::model::{JointKind, Robot};
 use twin::plant::{Articulation, new_world};
 
@@ -33,7 +34,7 @@ fn placed(robot: &Robot, oracle: &Oracle<'_>, state: &State) -> (PhysicsWorld, A
 }
 
 fn effort(dofs: usize, seed: u64) -> Effort {
-    let wave = |k: f64| (1.7 * seed as f64 + k).sin();
+    let wave = |k: f64| sin(1.7 * seed as f64 + k);
     Effort {
         force_in_body: Vector3::new(3.0 * wave(0.0), 2.0 * wave(1.0), 30.0 + 5.0 * wave(2.0)),
         moment_in_body: Vector3::new(0.4 * wave(3.0), 0.3 * wave(4.0), 0.2 * wave(5.0)),

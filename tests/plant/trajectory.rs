@@ -1,6 +1,7 @@
 //! One second of open-loop flight of the whole simulated vehicle against the oracle integrated by Runge and Kutta.
 
 use nalgebra::{DVector, Rotation3, UnitQuaternion, Vector2, Vector3};
+use twin::elementary::{acos, sin};
 use twin::model::{JointKind, Robot};
 use twin::notation::{Coords, MAX_ROTORS};
 use twin::plant::{PlantSettings, SimulatedVehicle, Start};
@@ -26,7 +27,7 @@ const SUBSTEPS: u32 = 10;
 /// Rotor thrusts and joint torques of step `k`.
 fn command(k: u32) -> ActuatorCommand {
     let t = f64::from(k) * STEP_S;
-    let wave = |hz: f64, phase: f64| (std::f64::consts::TAU * hz * t + phase).sin();
+    let wave = |hz: f64, phase: f64| sin(std::f64::consts::TAU * hz * t + phase);
     let mut rotor_thrust_n = [0.0; MAX_ROTORS];
     rotor_thrust_n[0] = 8.20 + 0.10 * wave(0.7, 0.3);
     rotor_thrust_n[1] = 7.12 + 0.15 * wave(1.1, 1.0);
@@ -140,7 +141,7 @@ fn fly(robot: &Robot, ticks: u32) -> (Errors, f64) {
             }
         }
         errors.add(&oracle, &state, &vehicle.truth().expect("it is simulated").chi);
-        tilt_deg = tilt_deg.max((state.rotation * Vector3::z()).z.acos().to_degrees());
+        tilt_deg = tilt_deg.max(acos((state.rotation * Vector3::z()).z).to_degrees());
     }
     (errors, tilt_deg)
 }

@@ -6,6 +6,7 @@ use nalgebra::{Vector2, Vector3};
 
 use super::compensation::Compensation;
 use super::{Controller, Gains, Input};
+use crate::elementary::{exp, hypot};
 use crate::notation::{Coords, GRAVITY_M_S2, attitude, position, tracking_error};
 use crate::tick::{ControlState, Setpoint};
 
@@ -31,7 +32,7 @@ impl Adaptive {
             self.robust_gain = None;
         }
         let sigma_hat = self.robust_gain.unwrap_or(gains.robust_gain_initial);
-        let leak = (-gains.leak * dt_s).exp();
+        let leak = exp(-gains.leak * dt_s);
         let next = sigma_hat * leak + sliding_norm * (1.0 - leak) / gains.leak;
         let next =
             if next.is_finite() { next.clamp(0.0, gains.robust_gain_cap) } else { sigma_hat };
@@ -85,7 +86,7 @@ pub(super) fn errors(input: &Input<'_>) -> (Coords, Coords) {
 /// Keeps the horizontal force within [`LATERAL_LIMIT_M_S2`] and the vertical force above [`VERTICAL_SHARE`] of the weight.
 pub(super) fn clip_force(force: Vector3<f64>, weight_n: f64) -> Vector3<f64> {
     let lateral_limit = LATERAL_LIMIT_M_S2 * weight_n / GRAVITY_M_S2;
-    let lateral = force.x.hypot(force.y);
+    let lateral = hypot(force.x, force.y);
     let scale = if lateral > lateral_limit { lateral_limit / lateral } else { 1.0 };
     Vector3::new(force.x * scale, force.y * scale, force.z.max(VERTICAL_SHARE * weight_n))
 }
@@ -143,6 +144,6 @@ mod tests {
     fn clipped_force_keeps_its_direction_and_points_up() {
         let f = clip_force(Vector3::new(300.0, 400.0, -5.0), 30.0);
         assert!((f.y / f.x - 4.0 / 3.0).abs() < 1e-12);
-        assert!(f.x.hypot(f.y) <= LATERAL_LIMIT_M_S2 * 30.0 / GRAVITY_M_S2 + 1e-9 && f.z > 0.0);
+        assert!(hypot(f.x, f.y) <= LATERAL_LIMIT_M_S2 * 30.0 / GRAVITY_M_S2 + 1e-9 && f.z > 0.0);
     }
 }

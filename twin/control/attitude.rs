@@ -1,5 +1,6 @@
 //! Desired roll and pitch from the desired force (Mellinger and Kumar 2011), and the command filter that gives their rates.
 
+use crate::elementary::{asin, atan2, sin_cos};
 use nalgebra::Vector3;
 
 /// Natural frequency of the command filter, rad/s. Without it the desired rates are zero and the loop oscillates by metres.
@@ -18,9 +19,9 @@ pub fn tilt_from_force(force_in_world: &Vector3<f64>, yaw: f64) -> (f64, f64) {
         return (0.0, 0.0);
     }
     let z = force_in_world / norm;
-    let (sin_yaw, cos_yaw) = yaw.sin_cos();
-    let roll = (z.x * sin_yaw - z.y * cos_yaw).clamp(-1.0, 1.0).asin();
-    let pitch = (z.x * cos_yaw + z.y * sin_yaw).atan2(z.z);
+    let (sin_yaw, cos_yaw) = sin_cos(yaw);
+    let roll = asin((z.x * sin_yaw - z.y * cos_yaw).clamp(-1.0, 1.0));
+    let pitch = atan2(z.x * cos_yaw + z.y * sin_yaw, z.z);
     (roll.clamp(-TILT_LIMIT_RAD, TILT_LIMIT_RAD), pitch.clamp(-TILT_LIMIT_RAD, TILT_LIMIT_RAD))
 }
 

@@ -9,6 +9,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 use super::{Controller, Gains, Input};
+use crate::elementary::{powf, sin};
 use crate::notation::{Coords, N};
 use crate::tick::{ControlState, Setpoint};
 
@@ -44,7 +45,7 @@ impl Multisine {
                 .map(|tone| {
                     let part = tone as f64 / (tones.max(2) - 1) as f64;
                     let beside = 1.0 + 0.03 * (2.0 * rng.random::<f64>() - 1.0);
-                    let hz = low * (high / low).powf(part) * beside;
+                    let hz = low * powf(high / low, part) * beside;
                     (amplitude, TAU * hz, 2.0 * PI * rng.random::<f64>())
                 })
                 .collect()
@@ -56,7 +57,7 @@ impl Multisine {
     pub fn at(&self, t_s: f64) -> Coords {
         let grown = (t_s / GROW_S).clamp(0.0, 1.0);
         Coords::from_fn(|row, _| {
-            let sum = self.tones[row].iter().map(|(a, w, phase)| a * (w * t_s + phase).sin());
+            let sum = self.tones[row].iter().map(|(a, w, phase)| a * sin(w * t_s + phase));
             sum.sum::<f64>() * grown
         })
     }

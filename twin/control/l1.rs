@@ -11,6 +11,7 @@
 //! State: the predictor's error, the low-pass, the law beneath.
 
 use super::{Adaptive, Controller, Gains, Input};
+use crate::elementary::exp;
 use crate::notation::{Coords, N};
 use crate::tick::{Adaptation, ControlState, Setpoint};
 
@@ -45,7 +46,7 @@ impl L1 {
     fn estimate(&mut self, input: &Input<'_>, gains: &Gains) -> Coords {
         let (measured, dt_s) = (input.measurement, input.dt_s);
         let pole = -self.settings.pole_per_s;
-        let forgotten = (pole * dt_s).exp();
+        let forgotten = exp(pole * dt_s);
         let phi = (forgotten - 1.0) / pole;
         // The predictor over the period that ended now, under the force applied in it; exact for a constant acceleration.
         let force = measured.tau_applied - input.nominal_gravity - self.sigma;
@@ -57,7 +58,7 @@ impl L1 {
         self.sigma = gains.nominal_inertia.component_mul(&error) * (forgotten / phi);
         for row in 0..N {
             let corner = self.settings.cutoff_rad_s[usize::from(row >= 3)];
-            let share = 1.0 - (-corner * dt_s).exp();
+            let share = 1.0 - exp(-corner * dt_s);
             self.compensated[row] += share * (self.sigma[row] - self.compensated[row]);
         }
         self.compensated
@@ -137,7 +138,7 @@ mod tests {
         for pole_per_s in [1.0, 10.0, 50.0] {
             let found = settled(L1Settings { pole_per_s, cutoff_rad_s: [8.0, 8.0] }, 20.0);
             // Piecewise-constant law at rest: sigma_hat = exp(A_s T) sigma.
-            let wanted = 2.0 * (-pole_per_s * 0.01_f64).exp();
+            let wanted = 2.0 * exp(-pole_per_s * 0.01_f64);
             assert!((found - Coords::repeat(wanted)).norm() < 1e-6, "{pole_per_s}: {found}");
         }
     }

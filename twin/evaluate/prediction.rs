@@ -9,6 +9,7 @@ use super::replay::{Replayed, replay};
 use super::score::Horizon;
 use super::series::{Series, Statistics};
 use super::sheet::{Sheet, figure};
+use crate::elementary::squared;
 use crate::residual::HORIZON;
 
 /// One line.
@@ -109,7 +110,7 @@ pub fn spreads(rows: &[Row]) -> Vec<Spread> {
             let n = same.len() as f64;
             let values = || same.iter().map(|row| value(&row.replayed));
             let mean = values().sum::<f64>() / n;
-            let squares = values().map(|v| (v - mean).powi(2)).sum::<f64>();
+            let squares = values().map(|v| squared(v - mean)).sum::<f64>();
             [mean, (squares / (n - 1.0)).sqrt()]
         };
         (same.len() > 1).then(|| Spread {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
+use crate::elementary::squared;
 use crate::mirror::{RecordingError, read_recording, recorded_nominal_inertia};
 use crate::notation::{Coords, N};
 use crate::residual::weights::WeightsError;
@@ -213,7 +214,7 @@ impl Statistics {
             (0..4 * N).map(|i| rows.iter().map(|row| row[i]).sum::<f64>() / n).collect();
         let std: Vec<f64> = (0..4 * N)
             .map(|i| {
-                let square: f64 = rows.iter().map(|row| (row[i] - mean[i]).powi(2)).sum();
+                let square: f64 = rows.iter().map(|row| squared(row[i] - mean[i])).sum();
                 let std = (square / n).sqrt();
                 if std > LEAST_STD { std } else { 1.0 }
             })

@@ -2,6 +2,7 @@
 //! number of steps, so a training goes on exactly where it stopped.
 
 use super::parameters::Parameters;
+use crate::elementary::{cos, powi};
 
 const BETA_1: f64 = 0.9;
 const BETA_2: f64 = 0.999;
@@ -38,8 +39,8 @@ impl Adam {
         let scale = if norm > clip { clip / norm } else { 1.0 } as f32;
         self.steps += 1;
         let power = i32::try_from(self.steps).unwrap_or(i32::MAX);
-        let rate = (learning_rate / (1.0 - BETA_1.powi(power))) as f32;
-        let correction = (1.0 / (1.0 - BETA_2.powi(power)).sqrt()) as f32;
+        let rate = (learning_rate / (1.0 - powi(BETA_1, power))) as f32;
+        let correction = (1.0 / (1.0 - powi(BETA_2, power)).sqrt()) as f32;
         let (b1, b2, epsilon) = (BETA_1 as f32, BETA_2 as f32, EPSILON as f32);
         let moments = self.first.0.iter_mut().zip(&mut self.second.0);
         for ((parameter, (m, v)), gradient) in parameters.0.iter_mut().zip(moments).zip(gradients) {
@@ -61,7 +62,7 @@ pub fn learning_rate(largest: f64, warm_up: f64, epochs: f64, progress: f64) -> 
         return largest * (progress / warm_up).max(1e-3);
     }
     let part = ((progress - warm_up) / (epochs - warm_up).max(1e-9)).min(1.0);
-    largest * (0.01 + 0.99 * 0.5 * (1.0 + (std::f64::consts::PI * part).cos()))
+    largest * (0.01 + 0.99 * 0.5 * (1.0 + cos(std::f64::consts::PI * part)))
 }
 
 #[cfg(test)]

@@ -2,13 +2,14 @@
 
 use super::config::TrainConfig;
 use super::dataset::{Dataset, FlightSeries};
+use crate::elementary::sin;
 
 /// Residual of the made flights: `r_x = 0.8 tau_x - 0.5 chi_dot_x`, `r_z = 3 + 0.6 tau_z`, in z-scores smooth in time.
 pub(super) fn dataset(flights: usize, ticks: usize) -> Dataset {
     let names = ["chi.x", "chi_dot.x", "tau.x", "tau.z"].map(str::to_owned).to_vec();
     let one = |flight: usize| {
         let wave = |rate: f64, phase: f64| -> Vec<f32> {
-            let at = |t: usize| (rate * t as f64 + phase + 1.7 * flight as f64).sin() as f32;
+            let at = |t: usize| sin(rate * t as f64 + phase + 1.7 * flight as f64) as f32;
             (0..ticks).map(at).collect()
         };
         let (v, fx, fz) = (wave(0.05, 0.3), wave(0.083, 1.1), wave(0.031, 2.0));

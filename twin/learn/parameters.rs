@@ -1,8 +1,9 @@
 //! The numbers of a model by name, as plain arrays: what is initialised, optimised, stored and read back.
 
 use rand::RngExt;
-use rand_distr::StandardNormal;
 use rand_pcg::Pcg64Mcg;
+
+use crate::normal::StandardNormal;
 
 /// Deviation of learned tokens, identities and positions at the start. The embedding of a z-scored window has about 0.6, so
 /// channels are told apart from the first step on.

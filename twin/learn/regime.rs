@@ -10,6 +10,7 @@
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::parameters::Parameters;
+use crate::elementary::powf;
 
 /// Mean of the squared norm of the regime that the adapter is to see.
 const POWER: f64 = 8.0;
@@ -49,7 +50,7 @@ impl Basis {
         };
         let kept = eigen.eigenvalues.map(|value| value.max(0.0) + least);
         let of = |power: f64| -> DMatrix<f64> {
-            let diagonal: DVector<f64> = kept.map(|value| value.powf(power));
+            let diagonal: DVector<f64> = kept.map(|value| powf(value, power));
             &eigen.eigenvectors * DMatrix::from_diagonal(&diagonal) * eigen.eigenvectors.transpose()
         };
         let power: f64 =
@@ -95,6 +96,7 @@ pub fn second_moment(regimes: &[f32], d_k: usize, windows: usize) -> DMatrix<f64
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::elementary::{cos, sin, squared};
     use crate::learn::parameters::Parameter;
 
     /// Products of a few f32 numbers below 10.
@@ -105,7 +107,7 @@ mod tests {
         (0..200)
             .flat_map(|i| {
                 let t = i as f32 * 0.1;
-                [5.0 + 0.1 * t.sin(), 3.0 + 0.2 * t.cos(), 0.3 * (2.0 * t).sin()]
+                [5.0 + 0.1 * sin(t), 3.0 + 0.2 * cos(t), 0.3 * sin(2.0 * t)]
             })
             .collect()
     }
@@ -115,7 +117,7 @@ mod tests {
         let regimes = lopsided();
         let moment = second_moment(&regimes, 3, 200);
         let basis = Basis::of(&moment);
-        let turned = &basis.forth * &moment * &basis.forth.transpose() * basis.scale.powi(2);
+        let turned = &basis.forth * &moment * &basis.forth.transpose() * squared(basis.scale);
         assert!((turned.trace() - POWER).abs() < 1e-9, "{turned}");
         let before = SymmetricEigen::new(moment).eigenvalues;
         let after = SymmetricEigen::new(turned).eigenvalues;
@@ -128,7 +130,7 @@ mod tests {
     #[test]
     fn what_is_lifted_from_the_regime_stays() {
         let values =
-            |n: usize, step: f32| (0..n).map(|i| (i as f32 * step).sin()).collect::<Vec<f32>>();
+            |n: usize, step: f32| (0..n).map(|i| sin(i as f32 * step)).collect::<Vec<f32>>();
         let parameter = |name: &str, shape: &[usize], step: f32| Parameter {
             name: name.to_owned(),
             shape: shape.to_vec(),

@@ -14,6 +14,7 @@ use super::parameters::Parameters;
 use super::train::{Outcome, Progress, Request, network, train};
 use super::windows::{Windows, generator};
 use super::{Dataset, LearnError};
+use crate::elementary::squared;
 use crate::residual::weights::{ModelKind, Weights};
 use crate::residual::{fdt, learned};
 
@@ -63,7 +64,7 @@ fn a_small_training_learns_a_linear_system() {
         let regime = model.forward(&windows.batch(&[*place], None).x).regime;
         regime
             .iter()
-            .map(|g| (f64::from(*g) * read.head.normalisation.regime_scale).powi(2))
+            .map(|g| squared(f64::from(*g) * read.head.normalisation.regime_scale))
             .sum::<f64>()
     });
     let mean = power.sum::<f64>() / places.len() as f64;

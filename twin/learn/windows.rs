@@ -5,13 +5,13 @@
 
 use rand::seq::SliceRandom;
 use rand::{Rng, RngExt, SeedableRng};
-use rand_distr::StandardNormal;
 use rand_pcg::Pcg64Mcg;
 use serde::{Deserialize, Serialize};
 
 use super::LearnError;
 use super::config::TrainConfig;
 use super::dataset::{Dataset, FlightSeries};
+use crate::normal::StandardNormal;
 use crate::notation::TICK_S;
 
 /// A channel that moves less than this is taken as constant: its deviation counts as 1.

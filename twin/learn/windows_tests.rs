@@ -3,6 +3,7 @@
 use super::config::TrainConfig;
 use super::made::{dataset, tiny};
 use super::windows::{Place, Windows, generator};
+use crate::elementary::squared;
 
 /// Rounding of one z-score.
 const ROUNDING: f32 = 1e-5;
@@ -77,7 +78,7 @@ fn noise_falls_on_the_applied_forces_alone_with_its_deviation() {
         if channel < 2 {
             assert_eq!(a.to_bits(), b.to_bits());
         } else {
-            squares += f64::from(b - a).powi(2);
+            squares += squared(f64::from(b - a));
             count += 1.0;
         }
     }

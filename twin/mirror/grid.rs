@@ -71,11 +71,12 @@ pub(super) fn filtered<const D: usize>(values: &Ticks<D>, settled: bool) -> Tick
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::elementary::squared;
     use nalgebra::Vector1;
 
     #[test]
     fn derivatives_of_a_parabola_are_exact_and_stop_at_a_gap() {
-        let f = |i: usize| Vector1::new(0.5 * 3.0 * (i as f64 * TICK_S).powi(2));
+        let f = |i: usize| Vector1::new(0.5 * 3.0 * squared(i as f64 * TICK_S));
         let values: Ticks<1> = (0..100).map(|i| (!(40..50).contains(&i)).then(|| f(i))).collect();
         let (rate, acceleration) = (slope(&values), curvature(&values));
         for i in [1, 20, 38, 51, 98] {

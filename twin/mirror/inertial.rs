@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 
 use super::grid::{Ticks, curvature, filtered};
 use super::series::Series;
+use crate::elementary::exp;
 use crate::notation::{GRAVITY_M_S2, TICK_S, world_from_body};
 
 /// How fast the bias follows the position, rad/s.
@@ -25,7 +26,7 @@ pub(super) fn acceleration(
     parts: bool,
 ) -> Ticks<3> {
     let from_position = filtered(&curvature(position), true);
-    let blend = 1.0 - (-BIAS_RATE_RAD_S * TICK_S).exp();
+    let blend = 1.0 - exp(-BIAS_RATE_RAD_S * TICK_S);
     let raw: Ticks<3> = (0..times_s.len())
         .map(|tick| {
             let body = specific_force.linear(times_s[tick])?;
@@ -61,12 +62,13 @@ fn mean_bias(raw: &[Option<Vector3<f64>>], from_position: &[Option<Vector3<f64>>
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::elementary::sin;
 
     #[test]
     fn a_constant_bias_and_a_wrong_tilt_are_gone_after_some_seconds_and_the_motion_stays() {
         let (frequency, ticks) = (6.0_f64, 3000);
         let times: Vec<f64> = (0..ticks).map(|i| f64::from(i) * TICK_S).collect();
-        let accelerate = |t: f64| 2.0 * (frequency * t).sin();
+        let accelerate = |t: f64| 2.0 * sin(frequency * t);
         let bias = Vector3::new(0.3, -0.2, 0.5);
         let eta: Ticks<3> = times.iter().map(|_| Some(Vector3::zeros())).collect();
         let position: Ticks<3> = times

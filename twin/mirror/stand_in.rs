@@ -1,6 +1,7 @@
 //! What is drawn for a vehicle of which no model is at hand: a plain quadrotor that claims to be nothing else.
 
 use super::scene::{Scene, SceneBody, SceneGroup, SceneRotor, ShapeInfo};
+use crate::elementary::{cos, sin};
 use crate::model::Shape;
 use crate::tick::Pose;
 
@@ -27,7 +28,7 @@ pub fn stand_in() -> Scene {
     let shape = |size_m: [f64; 3], position: [f64; 3], half_yaw: f64, rgba| ShapeInfo {
         shape: Shape::Box { size_m },
         position,
-        quaternion_wxyz: [half_yaw.cos(), 0.0, 0.0, half_yaw.sin()],
+        quaternion_wxyz: [cos(half_yaw), 0.0, 0.0, sin(half_yaw)],
         rgba,
     };
     let beam = [4.0_f64.sqrt() * REACH_M * 2.0_f64.sqrt(), 0.025, 0.02];

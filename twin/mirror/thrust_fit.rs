@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::grid::{Ticks, filtered_times};
 use super::series::Series;
+use crate::elementary::squared;
 use crate::notation::TICK_S;
 
 /// Longest lag that is tried, ticks.
@@ -111,7 +112,7 @@ pub(super) fn fit(
     }
     let gain = gain(&pairs);
     let mean = pairs.iter().map(|(_, y)| y).sum::<f64>() / pairs.len() as f64;
-    let spread = pairs.iter().map(|(_, y)| (y - mean).powi(2)).sum::<f64>() / pairs.len() as f64;
+    let spread = pairs.iter().map(|(_, y)| squared(y - mean)).sum::<f64>() / pairs.len() as f64;
     let (first, second) = pairs.split_at(pairs.len() / 2);
     Ok(ThrustFit {
         gain,
@@ -144,7 +145,7 @@ fn mean_square(pairs: &[(f64, f64)]) -> f64 {
         return f64::MAX;
     }
     let k = gain(pairs);
-    pairs.iter().map(|(u, y)| (y - k * u).powi(2)).sum::<f64>() / pairs.len() as f64
+    pairs.iter().map(|(u, y)| squared(y - k * u)).sum::<f64>() / pairs.len() as f64
 }
 
 /// Jackknife over blocks.
@@ -161,16 +162,17 @@ fn standard_error(pairs: &[(f64, f64)]) -> f64 {
         })
         .collect();
     let mean = without.iter().sum::<f64>() / n;
-    ((n - 1.0) / n * without.iter().map(|k| (k - mean).powi(2)).sum::<f64>()).sqrt()
+    ((n - 1.0) / n * without.iter().map(|k| squared(k - mean)).sum::<f64>()).sqrt()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::elementary::{cos, sin};
 
     /// Thrust that varies slowly enough for `H` and interpolation to leave it as it is.
     fn input(t_s: f64) -> f64 {
-        0.5 + 0.05 * (2.0 * t_s).sin() + 0.03 * (3.3 * t_s).cos()
+        0.5 + 0.05 * sin(2.0 * t_s) + 0.03 * cos(3.3 * t_s)
     }
 
     #[test]
@@ -180,7 +182,7 @@ mod tests {
         let thrust = Series::new(times.iter().map(|t| (*t, Vector1::new(input(*t)))));
         let raw: Ticks<1> = times
             .iter()
-            .map(|t| Some(Vector1::new(gain * input(t - lag_s) + 0.3 * (40.0 * t).sin())))
+            .map(|t| Some(Vector1::new(gain * input(t - lag_s) + 0.3 * sin(40.0 * t))))
             .collect();
         let force: Vec<Option<f64>> =
             filtered_times(&raw, 1).into_iter().map(|v| v.map(|v| v.x)).collect();
@@ -196,7 +198,7 @@ mod tests {
         let thrust = Series::new(times.iter().map(|t| (*t, Vector1::new(0.5))));
         // What rounding leaves: least at a lag that means nothing.
         let force: Vec<Option<f64>> =
-            times.iter().map(|t| Some(9.81 + 1e-5 * (7.0 * t).sin())).collect();
+            times.iter().map(|t| Some(9.81 + 1e-5 * sin(7.0 * t))).collect();
         assert_eq!(fit(&thrust, &times, &force, 1, 0.05).unwrap().lag_s.to_bits(), 0);
     }
 

@@ -12,6 +12,7 @@ use serde::Serialize;
 
 use super::thrust_fit::LONGEST_LAG_TICKS;
 use super::torque_blocks::{Block, Column, Known, Lagged, Square, TAPS, blocks};
+use crate::elementary::squared;
 use crate::notation::TICK_S;
 
 /// Fewest blocks for a fit: 20 s.
@@ -255,7 +256,7 @@ fn standard_error(products: &[(f64, f64)]) -> f64 {
         .map(|i| ratio(&[&products[..i], &products[i + 1..]].concat()))
         .collect();
     let mean = without.iter().sum::<f64>() / n;
-    ((n - 1.0) / n * without.iter().map(|k| (k - mean).powi(2)).sum::<f64>()).sqrt()
+    ((n - 1.0) / n * without.iter().map(|k| squared(k - mean)).sum::<f64>()).sqrt()
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use super::*;
+use crate::elementary::sin;
 use crate::mirror::grid::{Ticks, filtered_times, slope};
 use crate::mirror::series::Series;
 
@@ -50,7 +51,7 @@ fn flown(axis: Axis) -> Vec<[f64; 3]> {
             let gyroscope = rate + noise(0.02);
             let stuck = t_s > axis.stuck_s.0 && t_s < axis.stuck_s.1;
             // It pushes and pulls against what holds it.
-            let struggle = if stuck { 0.3 * (6.0 * t_s).sin() } else { 0.0 };
+            let struggle = if stuck { 0.3 * sin(6.0 * t_s) } else { 0.0 };
             let torque = RATE_GAIN * (ATTITUDE_GAIN * (wanted - angle) - gyroscope) + struggle;
             sent.push(torque);
             let acts = sent[ms.saturating_sub((LAG_S * 1e3) as usize)];

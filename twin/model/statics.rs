@@ -7,6 +7,7 @@ use nalgebra::{Vector2, Vector3};
 
 use super::Robot;
 use super::kinematics::Skeleton;
+use crate::elementary::sin_cos;
 use crate::notation::{Coords, GRAVITY_M_S2};
 
 /// The vehicle's masses, lumped by the arm joint that carries them.
@@ -39,8 +40,8 @@ impl Statics {
     pub fn gravity(&self, chi: &Coords) -> Coords {
         let q = Vector2::new(chi[6], chi[7]);
         let frames = self.skeleton.frames(&q);
-        let (sp, cp) = chi[3].sin_cos();
-        let (st, ct) = chi[4].sin_cos();
+        let (sp, cp) = sin_cos(chi[3]);
+        let (st, ct) = sin_cos(chi[4]);
         let k = Vector3::new(-st, ct * sp, ct * cp);
         let dk_dphi = Vector3::new(0.0, ct * cp, -ct * sp);
         let dk_dtheta = Vector3::new(-ct, -st * sp, -st * cp);

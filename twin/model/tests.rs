@@ -6,6 +6,7 @@ use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion, Vector2, Vect
 use proptest::prelude::*;
 
 use super::*;
+use crate::elementary::{cos, sin};
 use crate::notation::{Coords, GRAVITY_M_S2, attitude, position, world_from_body};
 use crate::task::ToolKinematics;
 
@@ -68,9 +69,9 @@ fn the_hand_points_down_and_the_tool_is_where_the_formula_says() {
         let q = Vector2::new(q1.to_radians(), q2.to_radians());
         let (q12, hand) = (q.x + q.y, q.x + q.y + beta);
         let oracle = Vector3::new(
-            l1 * q.x.sin() + a * q12.sin() + s * hand.sin(),
+            l1 * sin(q.x) + a * sin(q12) + s * sin(hand),
             0.0,
-            -0.05 - l1 * q.x.cos() - a * q12.cos() - s * hand.cos(),
+            -0.05 - l1 * cos(q.x) - a * cos(q12) - s * cos(hand),
         );
         let tool = arm.tool_in_body(&q);
         assert!((tool.translation.vector - oracle).norm() < WRITTEN_ANGLE, "{tool} {oracle}");

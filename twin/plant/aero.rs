@@ -4,12 +4,14 @@
 //! State: wake of each rotor, unsteady force and moment.
 
 use nalgebra::{Matrix3, Vector3};
-use rand_distr::{Distribution, StandardNormal};
+use rand::distr::Distribution;
 use rand_pcg::Pcg64;
 
 use super::arena::Arena;
 use super::rotors::Rotors;
 use super::settings::AeroSettings;
+use crate::elementary::{exp, squared};
+use crate::normal::StandardNormal;
 use crate::notation::{MAX_ROTORS, PerRotor};
 
 /// Air density at 15 °C and sea level, kg/m³.
@@ -83,7 +85,7 @@ impl Aero {
                 let hub = flow.position + flow.rotation * Vector3::from(place.position_m);
                 let radius = self.settings.ground_effect_radius_m;
                 let height = (hub.z - arena.height_below(&hub)).max(0.5 * radius);
-                *n /= 1.0 - (radius / (4.0 * height)).powi(2);
+                *n /= 1.0 - squared(radius / (4.0 * height));
             }
         }
         thrust_n
@@ -100,7 +102,7 @@ impl Aero {
     ) -> (Vector3<f64>, Vector3<f64>) {
         self.step_wake(rotors, thrust_n, dt_s);
         let s = self.settings;
-        let decay = (-dt_s / s.turbulence_s).exp();
+        let decay = exp(-dt_s / s.turbulence_s);
         let spread = (1.0 - decay * decay).sqrt();
         let mut draw = |old: f64, std: f64| {
             let n: f64 = StandardNormal.sample(rng);
@@ -124,8 +126,8 @@ impl Aero {
 
     /// Induced velocity `sqrt(T / 2 rho A)` (momentum theory) reaches the wake with a lag.
     fn step_wake(&mut self, rotors: &Rotors, thrust_n: &PerRotor, dt_s: f64) {
-        let area = std::f64::consts::PI * rotors.settings.radius_m.powi(2);
-        let blend = 1.0 - (-dt_s / self.settings.wake_s).exp();
+        let area = std::f64::consts::PI * squared(rotors.settings.radius_m);
+        let blend = 1.0 - exp(-dt_s / self.settings.wake_s);
         for (wake, n) in self.wake_m_s.iter_mut().zip(thrust_n) {
             *wake += ((n.max(0.0) / (2.0 * AIR_KG_M3 * area)).sqrt() - *wake) * blend;
         }
@@ -154,7 +156,7 @@ impl Aero {
                 }
                 let radius = WAKE_CONTRACTION * rotors.settings.radius_m + WAKE_SPREAD * depth;
                 let offset = (in_body - hub).xy().norm_squared();
-                2.0 * induced * (-offset / (radius * radius)).exp()
+                2.0 * induced * exp(-offset / (radius * radius))
             })
             .sum();
         flow.rotation * Vector3::new(0.0, 0.0, -speed)

@@ -5,6 +5,7 @@ use std::collections::VecDeque;
 use nalgebra::Vector3;
 
 use super::settings::{RotorPlace, RotorSettings};
+use crate::elementary::exp;
 use crate::notation::{MAX_ROTORS, PerRotor};
 
 /// A command on its way to an actuator.
@@ -37,7 +38,7 @@ struct Drive {
 impl Drive {
     fn step(&mut self, command_n: PerRotor, settings: &RotorSettings, dt_s: f64) -> PerRotor {
         let command_n = self.delay.step(command_n);
-        let blend = 1.0 - (-dt_s / self.lag_s).exp();
+        let blend = 1.0 - exp(-dt_s / self.lag_s);
         let mut thrust_n = [0.0; MAX_ROTORS];
         for i in 0..MAX_ROTORS {
             let wanted = (command_n[i].clamp(0.0, settings.max_thrust_n)
@@ -121,6 +122,7 @@ impl Rotors {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::elementary::squared;
 
     fn settings() -> RotorSettings {
         RotorSettings {
@@ -160,7 +162,7 @@ mod tests {
         }
         (0..40).for_each(|_| rotors.step(command, dt));
         // Speed follows 1 - exp(-t/lag): sqrt(T) = 2 + (3 - 2)(1 - 1/e) after one time constant.
-        let expected = (2.0 + (1.0 - (-1.0_f64).exp())).powi(2);
+        let expected = squared(2.0 + (1.0 - exp(-1.0_f64)));
         assert!((rotors.modelled_thrust_n[0] - expected).abs() < 1e-9);
         assert!((rotors.thrust_n[0] - 0.97 * expected).abs() < 1e-9);
     }

@@ -4,11 +4,13 @@ use std::collections::VecDeque;
 
 use nalgebra::{Matrix3, Vector2, Vector3};
 use rand::SeedableRng;
-use rand_distr::{Distribution, StandardNormal};
+use rand::distr::Distribution;
 use rand_pcg::Pcg64;
 
 use super::failures::SensorFailures;
 use super::settings::SensorSettings;
+use crate::elementary::{sin_cos, squared};
+use crate::normal::StandardNormal;
 use crate::notation::{GRAVITY_M_S2, PerRotor};
 use crate::tick::PayloadReading;
 
@@ -118,8 +120,8 @@ impl Sensors {
         for (phase, speed) in self.vibration_phase.iter_mut().zip(speed_rad_s) {
             *phase = (*phase + speed * self.dt_s) % std::f64::consts::TAU;
             let amplitude =
-                self.settings.vibration_m_s2 * (speed / hover_speed_rad_s.max(1.0)).powi(2);
-            let (sin, cos) = phase.sin_cos();
+                self.settings.vibration_m_s2 * squared(speed / hover_speed_rad_s.max(1.0));
+            let (sin, cos) = sin_cos(*phase);
             sum += Vector3::new(cos, sin, 0.5 * sin) * amplitude;
         }
         sum * 0.5

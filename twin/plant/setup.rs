@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use rand::RngExt;
-use rand_distr::{Distribution, StandardNormal};
+use rand::distr::Distribution;
 use rand_pcg::Pcg64;
 use rapier3d_f64::prelude::*;
 
@@ -11,6 +11,7 @@ use super::gripper::{Gripper, apply_joint_properties};
 use super::vehicle::{STEP_S, Start};
 use super::{Articulation, ContactSettings, PlantError, PlantSettings, VehicleSettings};
 use crate::model::Robot;
+use crate::normal::StandardNormal;
 use crate::notation::GRAVITY_M_S2;
 
 /// Everything in Rapier's world.

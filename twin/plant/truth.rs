@@ -5,6 +5,7 @@ use rapier3d_f64::prelude::*;
 
 use super::convert::{from_pose, from_vector, view_pose};
 use super::vehicle::{STEP_S, SimulatedVehicle, true_coordinates};
+use crate::elementary::acos;
 use crate::tick::{Contact, Truth};
 
 /// Contacts weaker than this are not shown, N.
@@ -25,7 +26,7 @@ pub(super) fn truth(vehicle: &SimulatedVehicle) -> Truth {
         let pose = from_pose(body.position());
         poses.push(view_pose(&pose));
         payload_position = pose.translation.vector;
-        payload_tilt_rad = (pose.rotation * Vector3::z()).z.clamp(-1.0, 1.0).acos();
+        payload_tilt_rad = acos((pose.rotation * Vector3::z()).z.clamp(-1.0, 1.0));
         payload_speed_m_s = from_vector(body.linvel()).norm();
         if let Some(gripper) = &vehicle.gripper {
             let palm = vehicle.articulation.link_pose(&vehicle.world, gripper.palm);

@@ -16,6 +16,7 @@ use super::sensors::{Sensors, State};
 use super::setup::{Rig, rig};
 use super::wind::Wind;
 use super::{Articulation, PlantError, PlantSettings};
+use crate::elementary::{atan2, squared};
 use crate::filter::Butterworth;
 use crate::model::{Robot, Statics};
 use crate::notation::{
@@ -162,7 +163,7 @@ impl SimulatedVehicle {
                 let r = rotation_matrix(b.position().rotation);
                 PayloadReading {
                     position_in_world: from_vector(b.position().translation),
-                    yaw_rad: r[(1, 0)].atan2(r[(0, 0)]),
+                    yaw_rad: atan2(r[(1, 0)], r[(0, 0)]),
                 }
             });
         State {
@@ -239,7 +240,7 @@ impl SimulatedVehicle {
         {
             let wake =
                 self.aero.wake_at(&from_vector(body.position().translation), flow, &self.rotors);
-            let drag_area = CUBE_DRAG * self.settings.payload.size_m.powi(2);
+            let drag_area = CUBE_DRAG * squared(self.settings.payload.size_m);
             body.reset_forces(false);
             body.add_force(to_vector(&wake_force(&wake, drag_area)), true);
         }

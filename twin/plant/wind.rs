@@ -2,9 +2,11 @@
 
 use nalgebra::Vector3;
 use rand::Rng;
-use rand_distr::{Distribution, StandardNormal};
+use rand::distr::Distribution;
 
 use super::settings::{WindKind, WindSettings};
+use crate::elementary::{cos, exp};
+use crate::normal::StandardNormal;
 
 /// Wind with its turbulence state.
 #[derive(Clone, Debug)]
@@ -34,7 +36,7 @@ impl Wind {
                 let phase = t_s.rem_euclid(s.gust_period_s.max(s.gust_s));
                 let along = if mean.norm() > 0.0 { mean.normalize() } else { Vector3::x() };
                 let rise = if phase < s.gust_s {
-                    0.5 * (1.0 - (std::f64::consts::TAU * phase / s.gust_s).cos())
+                    0.5 * (1.0 - cos(std::f64::consts::TAU * phase / s.gust_s))
                 } else {
                     0.0
                 };
@@ -43,7 +45,7 @@ impl Wind {
             WindKind::Dryden => {
                 // First-order Dryden form: time constant = scale length / air speed, exact discretisation.
                 let air_speed = (mean.norm() + speed_m_s).max(0.5);
-                let decay = (-dt_s * air_speed / s.scale_m).exp();
+                let decay = exp(-dt_s * air_speed / s.scale_m);
                 let spread = s.turbulence_m_s * (1.0 - decay * decay).sqrt();
                 self.turbulence = self.turbulence.map(|u| {
                     let n: f64 = StandardNormal.sample(rng);
@@ -58,6 +60,7 @@ impl Wind {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::elementary::squared;
     use rand::SeedableRng;
 
     fn settings(kind: WindKind) -> WindSettings {
@@ -86,7 +89,7 @@ mod tests {
         let mut wind = Wind::new(&settings(WindKind::Dryden));
         let n = 400_000;
         let variance = (0..n)
-            .map(|i| (wind.step(f64::from(i) * 0.01, 0.0, 0.01, &mut rng).y).powi(2))
+            .map(|i| squared(wind.step(f64::from(i) * 0.01, 0.0, 0.01, &mut rng).y))
             .sum::<f64>()
             / f64::from(n);
         // 4000 s at a time constant of 0.5 s: about 4000 independent samples, 5 % is over three standard errors.

@@ -212,6 +212,7 @@ impl Adapter {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::elementary::powi;
     use proptest::prelude::*;
 
     /// RLS and the normal equations differ by rounding amplified by the conditioning of 4 random features.
@@ -248,12 +249,12 @@ mod tests {
             let lambda: f64 = settings.forgetting;
             // Oracle: argmin sum lambda^(T-t) (y - w'g)^2 + lambda^T |w|^2 / sigma_0 by the normal equations.
             let total = i32::try_from(data.len()).unwrap();
-            let mut a = DMatrix::identity(4, 4) * lambda.powi(total);
+            let mut a = DMatrix::identity(4, 4) * powi(lambda, total);
             let mut b = DVector::zeros(4);
             for (t, (g, y)) in data.iter().enumerate() {
                 adapter.step(&forecast(g), &Coords::repeat(*y), 0.01, false, &settings);
                 let g = DVector::from_column_slice(g);
-                let weight = lambda.powi(total - 1 - i32::try_from(t).unwrap());
+                let weight = powi(lambda, total - 1 - i32::try_from(t).unwrap());
                 a += &g * g.transpose() * weight;
                 b += &g * (*y * weight);
             }

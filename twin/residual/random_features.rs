@@ -5,10 +5,12 @@
 
 use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng;
-use rand_distr::{Distribution, StandardNormal};
+use rand::distr::Distribution;
 use rand_pcg::Pcg64;
 
 use super::{GravityModel, History, NOMINAL_SCALE, Predictor, constant_forecast, gravity};
+use crate::elementary::tanh;
+use crate::normal::StandardNormal;
 use crate::notation::Coords;
 use crate::tick::Forecast;
 
@@ -88,7 +90,7 @@ impl Predictor for RandomFeatures {
 
     fn predict(&mut self, history: &History) -> Forecast {
         let inputs = self.inputs(history);
-        let regime = (&self.projection * inputs + &self.offset).map(f64::tanh);
+        let regime = (&self.projection * inputs + &self.offset).map(tanh);
         let base: Coords = gravity::base(&self.model, history);
         constant_forecast(base, regime.iter().copied().collect())
     }
@@ -97,6 +99,7 @@ impl Predictor for RandomFeatures {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::elementary::sin;
 
     fn features(seed: u64) -> RandomFeatures {
         RandomFeatures::new(Box::new(|_| Coords::repeat(1.0)), 32, seed)
@@ -106,7 +109,7 @@ mod tests {
     fn regime_norm_is_in_the_range_the_adapter_expects() {
         let mut history = History::new(1);
         for i in 0..50 {
-            let wave = Coords::from_fn(|row, _| (0.3 * f64::from(i) + row as f64).sin() * 0.3);
+            let wave = Coords::from_fn(|row, _| sin(0.3 * f64::from(i) + row as f64) * 0.3);
             history.push(wave, wave, wave, wave);
             let norm = features(1).predict(&history).regime.iter().map(|v| v * v).sum::<f64>();
             assert!((1.0..=30.0).contains(&norm), "|g'|^2 = {norm}");

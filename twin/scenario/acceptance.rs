@@ -6,6 +6,7 @@
 use std::path::Path;
 
 use super::{BuildError, Judge, Scenario, ScenarioError, Verdict};
+use crate::elementary::squared;
 use crate::notation::{Coords, N};
 use crate::residual::weights::{Acceptance, Weights, WeightsError};
 use crate::tick::Tick;
@@ -154,7 +155,7 @@ impl Score {
     /// `1 - sum (r - base)^2 / sum (r - mean r)^2` per row; NaN without ticks.
     fn rows(&self) -> [f64; N] {
         std::array::from_fn(|row| {
-            let spread = self.squares[row] - self.sum[row].powi(2) / self.count;
+            let spread = self.squares[row] - squared(self.sum[row]) / self.count;
             1.0 - self.errors[row] / spread
         })
     }

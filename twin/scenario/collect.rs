@@ -272,10 +272,11 @@ pub const EXPECTED_STD: [f64; N] = crate::residual::NOMINAL_SCALE;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::elementary::sin;
 
     #[test]
     fn the_spread_of_parts_is_that_of_the_whole() {
-        let value = |i: i32| Coords::from_fn(|row, _| (f64::from(i) * 0.37 + row as f64).sin());
+        let value = |i: i32| Coords::from_fn(|row, _| sin(f64::from(i) * 0.37 + row as f64));
         let all: Vec<Coords> = (0..100).map(value).collect();
         let parts = [Spread::of(&all[..30]), Spread::of(&all[30..90]), Spread::of(&all[90..])];
         let (whole, together) = (Spread::of(&all), Spread::together(&parts));

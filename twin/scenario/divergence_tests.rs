@@ -1,5 +1,6 @@
 use super::super::divergence_report::Light;
 use super::*;
+use crate::elementary::{cos, sin, squared};
 use crate::mirror::Effort;
 use crate::mirror::film::Nominal;
 use crate::mirror::recorded::{Derivation, Instant, RecordedFlight};
@@ -16,11 +17,11 @@ fn flight(overstated: f64, torque: bool, delay_s: f64) -> RecordedFlight {
     let times_s: Vec<f64> = (0..600).map(|i| f64::from(i) * TICK_S).collect();
     let instant = |t_s: f64| {
         let at = |t: f64| DRIVE_RAD_S * t;
-        let chi = [at(t_s).cos(), at(t_s).sin(), 1.0, 0.1 * at(t_s).sin(), 0.0, 0.0];
+        let chi = [cos(at(t_s)), sin(at(t_s)), 1.0, 0.1 * sin(at(t_s)), 0.0, 0.0];
         let late = at(t_s - delay_s);
-        let a = Vector3::new(-late.cos(), -late.sin(), 0.0) * DRIVE_RAD_S.powi(2);
+        let a = Vector3::new(-cos(late), -sin(late), 0.0) * squared(DRIVE_RAD_S);
         let force = (a + Vector3::z() * GRAVITY_M_S2) * MASS_KG * overstated - side;
-        let turn = -0.1 * late.sin() * DRIVE_RAD_S.powi(2);
+        let turn = -0.1 * sin(late) * squared(DRIVE_RAD_S);
         let mut made = Instant::default();
         for row in 0..AXES {
             made.chi[row] = Some(chi[row]);

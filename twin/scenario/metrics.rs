@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
 
+use crate::elementary::{acos, cos, squared};
 use crate::notation::{Coords, N, ROWS, tracking_error};
 use crate::residual::NOMINAL_SCALE;
 use crate::tick::{EventKind, Tick};
@@ -126,14 +127,14 @@ impl Metrics {
         self.residual_squares += tick.residual.component_mul(&tick.residual);
         for row in 0..N {
             let r = tick.residual[row];
-            self.prediction[row].add((r - tick.adapted.r_hat_prior[row]).powi(2));
-            self.persistence[row].add((r - previous[row]).powi(2));
+            self.prediction[row].add(squared(r - tick.adapted.r_hat_prior[row]));
+            self.persistence[row].add(squared(r - previous[row]));
         }
     }
 
     fn add_payload(&mut self, tick: &Tick) {
         let Some(truth) = &tick.truth else { return };
-        let tilt = (truth.chi[3].cos() * truth.chi[4].cos()).clamp(-1.0, 1.0).acos();
+        let tilt = acos((cos(truth.chi[3]) * cos(truth.chi[4])).clamp(-1.0, 1.0));
         self.tilt_peak_rad = self.tilt_peak_rad.max(tilt);
         if tick.phase == "close" || tick.phase == "approach" {
             self.palm = None;
@@ -193,7 +194,7 @@ impl Metrics {
         let n = self.residual_count;
         (n > 1.0).then(|| {
             let per_row = (0..N).map(|row| {
-                let spread = self.residual_squares[row] - self.residual_sum[row].powi(2) / n;
+                let spread = self.residual_squares[row] - squared(self.residual_sum[row]) / n;
                 1.0 - self.prediction[row].sum / spread.max(f64::MIN_POSITIVE)
             });
             per_row.sum::<f64>() / N as f64

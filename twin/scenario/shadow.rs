@@ -11,6 +11,7 @@ use serde::Serialize;
 
 use super::shadow_score::{Score, Scored};
 use crate::control::{Adaptive, Allocation, Gains, Preset, Rotor, Rows};
+use crate::elementary::squared;
 use crate::filter::LowPass;
 use crate::flight::{Flight, Parts};
 use crate::mirror::film::{Cursor, Film, Nominal};
@@ -235,7 +236,7 @@ fn scale(film: &Arc<Film>, nominal_inertia: &Coords) -> Coords {
         let values = &residuals[row];
         let n = values.len().max(1) as f64;
         let mean = values.iter().sum::<f64>() / n;
-        let std = (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt();
+        let std = (values.iter().map(|v| squared(v - mean)).sum::<f64>() / n).sqrt();
         if values.is_empty() { 1.0 } else { std.max(LEAST_SCALE) }
     })
 }

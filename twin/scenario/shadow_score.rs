@@ -8,6 +8,7 @@ use std::collections::VecDeque;
 use serde::Serialize;
 
 use super::shadow::unit;
+use crate::elementary::squared;
 use crate::notation::{Coords, N, ROWS};
 use crate::residual::HORIZON;
 use crate::tick::Tick;
@@ -138,7 +139,7 @@ impl Score {
             let forecast = made.base.get(j).or(made.base.last()).map(|base| base + made.correction);
             let Some(forecast) = forecast else { continue };
             for row in (0..N).filter(|row| known[*row] && made.known[*row]) {
-                let z = |error: f64| (error / self.scale[row]).powi(2);
+                let z = |error: f64| squared(error / self.scale[row]);
                 self.squares[j][0] += z(r[row] - forecast[row]);
                 self.squares[j][1] += z(r[row] - made.persistence[row]);
                 self.samples[j] += 1;

@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::cache::Cache;
 use super::{Report, Scenario, ScenarioError, Verdict, run, side_by_side};
+use crate::elementary::squared;
 
 /// One flight to make.
 #[derive(Clone, Debug)]
@@ -188,7 +189,7 @@ fn mean(values: &[f64]) -> Option<f64> {
 /// Standard deviation of a sample; zero for a single value.
 fn deviation(values: &[f64]) -> Option<f64> {
     let mean = mean(values)?;
-    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+    let squares: f64 = values.iter().map(|value| squared(value - mean)).sum();
     Some((squares / (values.len().max(2) - 1) as f64).sqrt())
 }
 

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::settings::{Settings, TaskKind};
+use crate::elementary::{acos, cos};
 use crate::tick::Tick;
 
 /// How a flight ended.
@@ -164,7 +165,7 @@ impl Judge {
 /// The end of a flight whose vehicle tipped over, hit something or left.
 fn lost_vehicle(tick: &Tick, truth: &crate::tick::Truth) -> Option<(Verdict, String)> {
     let t_s = tick.measurement.t_s;
-    let tilt = (truth.chi[3].cos() * truth.chi[4].cos()).clamp(-1.0, 1.0).acos();
+    let tilt = acos((cos(truth.chi[3]) * cos(truth.chi[4])).clamp(-1.0, 1.0));
     if tilt > TIPPED_RAD {
         return Some((
             Verdict::Crashed,

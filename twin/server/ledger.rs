@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::elementary::{log10, powi};
 use crate::tuning::Tuning;
 
 /// A gain at rest for this long has its new value, ticks.
@@ -69,7 +70,7 @@ fn short(value: f64) -> f64 {
     if value == 0.0 || !value.is_finite() {
         return value;
     }
-    let scale = 10_f64.powi(5 - value.abs().log10().floor() as i32);
+    let scale = powi(10_f64, 5 - log10(value.abs()).floor() as i32);
     (value * scale).round() / scale
 }
 

@@ -19,6 +19,7 @@ pub fn wilson_95(successes: usize, trials: usize) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::elementary::squared;
 
     #[test]
     fn the_interval_solves_wilsons_equation_and_holds_the_share() {
@@ -29,7 +30,7 @@ mod tests {
             assert!(low >= 0.0 && low <= share + 1e-12 && share <= high + 1e-12 && high <= 1.0);
             // Its ends are where the share is 1.96 standard errors away; at 0 and 1 one end is the share itself.
             for end in [low, high] {
-                let distance = (share - end).powi(2) - Z_95.powi(2) * end * (1.0 - end) / n;
+                let distance = squared(share - end) - squared(Z_95) * end * (1.0 - end) / n;
                 assert!(distance.abs() < 1e-12, "{successes}/{trials}: {end}");
             }
         }

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
 use super::quintic::{Knot, Quintic};
+use crate::elementary::{powi, sin_cos};
 
 /// Duration of the ramps at both ends of a path, s.
 const RAMP_S: f64 = 1.0;
@@ -51,7 +52,7 @@ impl Curve {
     pub fn at(&self, u: f64) -> [Vector3<f64>; 3] {
         match *self {
             Self::S { from, length_m, sway_m, rise_m, bob_m } => {
-                let (s, c) = (TAU * u).sin_cos();
+                let (s, c) = sin_cos(TAU * u);
                 [
                     Vector3::from(from)
                         + Vector3::new(length_m * u, sway_m * s, rise_m * u + bob_m * s),
@@ -61,8 +62,8 @@ impl Curve {
             }
             Self::FigureEight { centre, a_m, b_m, laps } => {
                 let k = TAU * laps;
-                let (s1, c1) = (k * u).sin_cos();
-                let (s2, c2) = (2.0 * k * u).sin_cos();
+                let (s1, c1) = sin_cos(k * u);
+                let (s2, c2) = sin_cos(2.0 * k * u);
                 [
                     Vector3::from(centre) + Vector3::new(a_m * s1, b_m * s2, 0.0),
                     Vector3::new(a_m * c1, 2.0 * b_m * c2, 0.0) * k,
@@ -144,7 +145,7 @@ impl TimedPath {
             let q = Quintic::to_rest(&Knot::rest(Vector1::zeros()), &Vector1::new(v), ramp).at(t);
             let x = t / ramp;
             // Integral of v (10 x^3 - 15 x^4 + 6 x^5).
-            (v * ramp * (2.5 * x.powi(4) - 3.0 * x.powi(5) + x.powi(6)), q.value.x, q.rate.x)
+            (v * ramp * (2.5 * powi(x, 4) - 3.0 * powi(x, 5) + powi(x, 6)), q.value.x, q.rate.x)
         };
         if t_s < ramp {
             rise(t_s)

@@ -1,5 +1,6 @@
 //! Fifth-order segments: position, rate and acceleration are continuous at both ends.
 
+use crate::elementary::powi;
 use nalgebra::SVector;
 
 /// A point of a trajectory with its two derivatives.
@@ -36,9 +37,9 @@ impl<const D: usize> Quintic<D> {
         let p = to - from.value - from.rate * t - c2 * (t * t);
         let v = -from.rate - from.acceleration * t;
         let a = -from.acceleration;
-        let c3 = (p * 10.0 - v * (4.0 * t) + a * (0.5 * t * t)) / t.powi(3);
-        let c4 = (p * -15.0 + v * (7.0 * t) - a * (t * t)) / t.powi(4);
-        let c5 = (p * 6.0 - v * (3.0 * t) + a * (0.5 * t * t)) / t.powi(5);
+        let c3 = (p * 10.0 - v * (4.0 * t) + a * (0.5 * t * t)) / powi(t, 3);
+        let c4 = (p * -15.0 + v * (7.0 * t) - a * (t * t)) / powi(t, 4);
+        let c5 = (p * 6.0 - v * (3.0 * t) + a * (0.5 * t * t)) / powi(t, 5);
         Self { c: [from.value, from.rate, c2, c3, c4, c5], duration_s: t }
     }
 

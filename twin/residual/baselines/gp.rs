@@ -9,6 +9,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::{Standard, TARGETS};
+use crate::elementary::{exp, ln, powi, squared};
 use crate::notation::N;
 use crate::residual::weights::{Weights, WeightsError};
 use crate::residual::{History, Predictor, PredictorInfo};
@@ -41,22 +42,22 @@ pub struct Kernel {
 impl Kernel {
     /// Where training starts: lengths that make random samples barely correlated, a tenth of noise.
     pub fn start(inputs: usize) -> Self {
-        let log_length = vec![(inputs as f64).sqrt().ln(); inputs];
-        Self { log_length, log_signal: 0.0, log_noise: 0.1_f64.ln() }
+        let log_length = vec![ln((inputs as f64).sqrt()); inputs];
+        Self { log_length, log_signal: 0.0, log_noise: ln(0.1_f64) }
     }
 
     fn weights(&self) -> Vec<f64> {
-        self.log_length.iter().map(|l| (-2.0 * l).exp()).collect()
+        self.log_length.iter().map(|l| exp(-2.0 * l)).collect()
     }
 
     /// Covariance of the signal between samples.
     fn signal(&self, x: &[Vec<f64>]) -> DMatrix<f64> {
-        let (w, signal) = (self.weights(), self.log_signal.exp());
+        let (w, signal) = (self.weights(), exp(self.log_signal));
         DMatrix::from_fn(x.len(), x.len(), |i, j| signal * rbf(&x[i], &x[j], &w))
     }
 
     fn noise(&self) -> f64 {
-        self.log_noise.exp().max(LEAST_NOISE)
+        exp(self.log_noise).max(LEAST_NOISE)
     }
 
     /// Log marginal likelihood of the columns of `y`, without its constant, and its gradient by the logarithms: lengths, signal,
@@ -67,7 +68,7 @@ impl Kernel {
         let factor = (&signal + DMatrix::identity(n, n) * self.noise()).cholesky()?;
         let alpha = factor.solve(y);
         let outputs = y.ncols() as f64;
-        let log_det = 2.0 * factor.l_dirty().diagonal().iter().map(|d| d.ln()).sum::<f64>();
+        let log_det = 2.0 * factor.l_dirty().diagonal().iter().map(|d| ln(*d)).sum::<f64>();
         let value = -0.5 * y.dot(&alpha) - 0.5 * outputs * log_det;
         // ½ tr((α α' - K⁻¹) dK)
         let a = &alpha * alpha.transpose() - factor.inverse() * outputs;
@@ -78,7 +79,7 @@ impl Kernel {
             for j in 0..i {
                 let pair = a[(i, j)] * signal[(i, j)];
                 for (d, slope) in lengths.iter_mut().enumerate() {
-                    *slope += pair * w[d] * (x[i][d] - x[j][d]).powi(2);
+                    *slope += pair * w[d] * squared(x[i][d] - x[j][d]);
                 }
             }
         }
@@ -97,11 +98,11 @@ impl Kernel {
             for (i, slope) in gradient.iter().enumerate() {
                 first[i] = 0.9 * first[i] + 0.1 * slope;
                 second[i] = 0.999 * second[i] + 0.001 * slope * slope;
-                let mean = first[i] / (1.0 - 0.9_f64.powi(step));
-                let size = (second[i] / (1.0 - 0.999_f64.powi(step))).sqrt();
+                let mean = first[i] / (1.0 - powi(0.9_f64, step));
+                let size = (second[i] / (1.0 - powi(0.999_f64, step))).sqrt();
                 *self.value(i) += RATE * mean / (size + 1e-12);
             }
-            self.log_noise = self.log_noise.max(LEAST_NOISE.ln());
+            self.log_noise = self.log_noise.max(ln(LEAST_NOISE));
         }
         self
     }
@@ -118,7 +119,7 @@ impl Kernel {
 
 fn rbf(a: &[f64], b: &[f64], weights: &[f64]) -> f64 {
     let square: f64 = a.iter().zip(b).zip(weights).map(|((a, b), w)| w * (a - b) * (a - b)).sum();
-    (-0.5 * square).exp()
+    exp(-0.5 * square)
 }
 
 /// A fit: the kernel, the subset and `K⁻¹ y`.
@@ -155,8 +156,8 @@ impl Fit {
                 vec![n, self.alpha.ncols()],
                 narrow(&mut self.alpha.transpose().iter().copied()),
             ),
-            (length, vec![inputs], narrow(&mut self.kernel.log_length.iter().map(|l| l.exp()))),
-            (signal, vec![1], vec![self.kernel.log_signal.exp() as f32]),
+            (length, vec![inputs], narrow(&mut self.kernel.log_length.iter().map(|l| exp(*l)))),
+            (signal, vec![1], vec![exp(self.kernel.log_signal) as f32]),
         ]
     }
 }
@@ -193,7 +194,7 @@ impl Gp {
             alpha: DMatrix::from_fn(TARGETS, samples, |target, sample| {
                 f64::from(alpha[sample * TARGETS + target])
             }),
-            weights: length.iter().map(|l| f64::from(*l).powi(-2)).collect(),
+            weights: length.iter().map(|l| powi(f64::from(*l), -2)).collect(),
             signal: f64::from(signal[0]),
             standard,
         })
@@ -228,6 +229,7 @@ impl Predictor for Gp {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::elementary::{cos, sin};
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg64;
 
@@ -237,7 +239,7 @@ mod tests {
             (0..n).map(|_| (0..3).map(|_| 4.0 * rng.random::<f64>() - 2.0).collect()).collect();
         // Two outputs that depend on the first input quickly, on the second slowly, on the third not at all.
         let y = DMatrix::from_fn(n, 2, |i, j| {
-            if j == 0 { (2.0 * x[i][0]).sin() } else { (2.0 * x[i][0]).cos() + 0.3 * x[i][1] }
+            if j == 0 { sin(2.0 * x[i][0]) } else { cos(2.0 * x[i][0]) + 0.3 * x[i][1] }
         });
         (x, y)
     }
@@ -245,7 +247,7 @@ mod tests {
     #[test]
     fn the_gradient_of_the_likelihood_is_that_of_finite_differences() {
         let (x, y) = samples(30, 1);
-        let kernel = Kernel { log_noise: 0.05_f64.ln(), ..Kernel::start(3) };
+        let kernel = Kernel { log_noise: ln(0.05_f64), ..Kernel::start(3) };
         let (_, gradient) = kernel.likelihood(&x, &y).unwrap();
         for (i, slope) in gradient.iter().enumerate() {
             let h = 1e-5;
@@ -264,7 +266,7 @@ mod tests {
     fn training_finds_which_inputs_matter_and_predicts_what_it_has_not_seen() {
         let (x, y) = samples(120, 2);
         let kernel = Kernel::start(3).train(&x, &y);
-        let length: Vec<f64> = kernel.log_length.iter().map(|l| l.exp()).collect();
+        let length: Vec<f64> = kernel.log_length.iter().map(|l| exp(*l)).collect();
         assert!(length[0] < length[1] && length[1] < length[2] && length[2] > 4.0, "{length:?}");
         let k = kernel.signal(&x) + DMatrix::identity(120, 120) * kernel.noise();
         let alpha = k.cholesky().unwrap().solve(&y);
@@ -273,7 +275,7 @@ mod tests {
         for (i, z) in fresh.iter().enumerate() {
             let kz = DVector::from_iterator(
                 120,
-                x.iter().map(|x| kernel.log_signal.exp() * rbf(z, x, &w)),
+                x.iter().map(|x| exp(kernel.log_signal) * rbf(z, x, &w)),
             );
             let found = alpha.tr_mul(&kz);
             // 120 samples of two smooth functions: the posterior's standard deviation is below 0.1.

@@ -4,6 +4,7 @@
 use super::super::nn::Linear;
 use super::super::weights::Weights;
 use super::{Network, Shapes, Sizes, by_tick, linear};
+use crate::elementary::{exp, tanh};
 
 /// Name and shape of every tensor; the gates are input, forget, cell, output, in this order.
 pub fn tensors(sizes: &Sizes) -> Shapes {
@@ -34,7 +35,7 @@ impl Lstm {
 }
 
 fn sigmoid(x: f32) -> f32 {
-    1.0 / (1.0 + (-x).exp())
+    1.0 / (1.0 + exp(-x))
 }
 
 impl Network for Lstm {
@@ -45,8 +46,8 @@ impl Network for Lstm {
             let recurrent = self.hidden.apply(&h);
             let gate = |index: usize, i: usize| input[index * d + i] + recurrent[index * d + i];
             for i in 0..d {
-                c[i] = sigmoid(gate(1, i)) * c[i] + sigmoid(gate(0, i)) * gate(2, i).tanh();
-                h[i] = sigmoid(gate(3, i)) * c[i].tanh();
+                c[i] = sigmoid(gate(1, i)) * c[i] + sigmoid(gate(0, i)) * tanh(gate(2, i));
+                h[i] = sigmoid(gate(3, i)) * tanh(c[i]);
             }
         }
         (self.readout.apply(&h), h)

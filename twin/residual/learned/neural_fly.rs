@@ -7,6 +7,7 @@ use super::super::nn::Linear;
 use super::super::weights::Weights;
 use super::stack::{self, Stack};
 use super::{Network, Shapes, Sizes, linear};
+use crate::elementary::squared;
 
 /// Hidden layers before the features.
 pub const HIDDEN: usize = 3;
@@ -95,7 +96,7 @@ impl Network for NeuralFly {
         for (i, row) in self.covariance.chunks_exact_mut(h).enumerate() {
             for (j, p) in row.iter_mut().enumerate() {
                 let kept = *p - p_g[i] * p_g[j] / spread;
-                *p = (1.0 - FORGETTING).powi(2) * kept + if i == j { PROCESS } else { 0.0 };
+                *p = squared(1.0 - FORGETTING) * kept + if i == j { PROCESS } else { 0.0 };
             }
         }
     }

@@ -6,6 +6,7 @@ use super::super::nn::activation::softmax;
 use super::super::nn::{LayerNorm, Linear, add, relu_all};
 use super::super::weights::Weights;
 use super::{Network, Shapes, Sizes, by_tick, linear, norm};
+use crate::elementary::{cos, powf, sin};
 
 /// Longest wavelength of the positions over 2 pi, ticks.
 const LONGEST: f64 = 10_000.0;
@@ -35,8 +36,8 @@ pub(super) fn block_tensors(layer: usize, sizes: &Sizes) -> Shapes {
 pub fn positions(t: usize, d: usize) -> Vec<f32> {
     let one = |i: usize| {
         let (tick, k) = (i / d, i % d);
-        let angle = tick as f64 / LONGEST.powf((k - k % 2) as f64 / d as f64);
-        (if k.is_multiple_of(2) { angle.sin() } else { angle.cos() }) as f32
+        let angle = tick as f64 / powf(LONGEST, (k - k % 2) as f64 / d as f64);
+        (if k.is_multiple_of(2) { sin(angle) } else { cos(angle) }) as f32
     };
     (0..t * d).map(one).collect()
 }

@@ -1,10 +1,11 @@
 //! Activations.
 
+use crate::elementary::{erf, exp};
 use std::f32::consts::FRAC_1_SQRT_2;
 
 /// `x Phi(x)`, `Phi` the normal distribution: the exact form with the error function, not its `tanh` approximation.
 pub fn gelu(x: f32) -> f32 {
-    0.5 * x * (1.0 + libm::erff(x * FRAC_1_SQRT_2))
+    0.5 * x * (1.0 + erf(x * FRAC_1_SQRT_2))
 }
 
 /// [`gelu`] on each number.
@@ -19,7 +20,7 @@ pub fn softmax(x: &mut [f32]) {
     let most = x.iter().copied().fold(f32::NEG_INFINITY, f32::max);
     let mut sum = 0.0;
     for v in x.iter_mut() {
-        *v = (*v - most).exp();
+        *v = exp(*v - most);
         sum += *v;
     }
     for v in x {

@@ -1,6 +1,7 @@
 //! Layer normalisation.
 
 use super::super::weights::Weights;
+use crate::elementary::squared;
 
 /// Added to the variance, so that a constant vector stays finite.
 pub(super) const EPSILON: f32 = 1e-5;
@@ -29,7 +30,7 @@ impl LayerNorm {
         let mut y = Vec::with_capacity(x.len());
         for row in x.chunks_exact(d) {
             let mean = row.iter().sum::<f32>() / d as f32;
-            let variance = row.iter().map(|v| (v - mean).powi(2)).sum::<f32>() / d as f32;
+            let variance = row.iter().map(|v| squared(v - mean)).sum::<f32>() / d as f32;
             let scale = 1.0 / (variance + EPSILON).sqrt();
             let scaled = row.iter().zip(&self.weight).zip(&self.bias);
             y.extend(scaled.map(|((v, w), b)| (v - mean) * scale * w + b));

@@ -1,5 +1,6 @@
 //! Numbers of a tick that a check may limit. Where the truth is known it counts, not the estimate.
 
+use crate::elementary::{acos, cos};
 use crate::notation::{Coords, tracking_error};
 use crate::tick::Tick;
 
@@ -29,7 +30,7 @@ const SIGNALS: &[(&str, Read)] = &[
     }),
     ("tilt_rad", |tick| {
         let chi = chi(tick);
-        Some((chi[3].cos() * chi[4].cos()).clamp(-1.0, 1.0).acos())
+        Some(acos((cos(chi[3]) * cos(chi[4])).clamp(-1.0, 1.0)))
     }),
     ("collision_force_n", |tick| tick.truth.as_ref().map(|truth| truth.collision_force_n)),
     ("grip_force_n", |tick| tick.truth.as_ref().map(|truth| truth.grip_force_n)),

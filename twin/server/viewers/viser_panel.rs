@@ -2,6 +2,7 @@
 
 use rmpv::Value;
 
+use crate::elementary::powi;
 use crate::server::hub::Published;
 use crate::server::protocol::{FlightPhase, GainInfo, StateInfo};
 use crate::server::viewers::chart;
@@ -207,7 +208,7 @@ fn slider(gain: &GainInfo, folder: &str, order: f64) -> Value {
     let unit = if gain.unit.is_empty() { String::new() } else { format!(" [{}]", gain.unit) };
     // Decimals that the step needs, at most those of a double.
     let decimals = (0..12).find(|&k| {
-        let scaled = gain.step * 10_f64.powi(k);
+        let scaled = gain.step * powi(10_f64, k);
         (scaled - scaled.round()).abs() < 1e-9 * scaled.max(1.0)
     });
     let props = map! {

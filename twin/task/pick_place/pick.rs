@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use super::{Phase, PickPlace};
+use crate::elementary::hypot;
 use crate::notation::GRAVITY_M_S2;
 use crate::task::View;
 use crate::task::motion::Posture;
@@ -140,7 +141,7 @@ impl PickPlace {
             (0..3).all(|i| e[i].abs() < DWELL_WINDOW_M[i] && ahead[i].abs() < DWELL_WINDOW_M[i]);
         let push = self.signals.r - self.r_empty;
         let leaning = e.y.abs() > self.clearance() - LEAN_M;
-        let contact = push[0].hypot(push[1]) > CONTACT_N[0]
+        let contact = hypot(push[0], push[1]) > CONTACT_N[0]
             || (self.signals.r[2] - self.signals.r_slow[2]).abs() > CONTACT_N[1];
         if self.held(inside && self.signals.speed() < ALIGN_SPEED_M_S, 0.1, dt_s) {
             self.enter(Phase::Close);
