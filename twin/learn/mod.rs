@@ -12,6 +12,7 @@ mod error;
 pub mod file;
 pub mod foreign;
 pub mod parameters;
+mod raw;
 pub mod regime;
 pub mod windows;
 
