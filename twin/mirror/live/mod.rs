@@ -62,7 +62,7 @@ impl Live {
 
     /// What is heard so far as a flight; `None` while there is no pose in it.
     pub fn opened(&self) -> Option<OpenedFlight> {
-        self.shared.opened()
+        footage::opened(&self.shared)
     }
 
     /// Waits for a flight for at most `patience`.
