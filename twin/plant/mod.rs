@@ -15,6 +15,7 @@ mod rotors;
 mod sensors;
 pub mod settings;
 mod setup;
+mod source;
 mod truth;
 pub mod vehicle;
 mod wind;
@@ -25,8 +26,11 @@ pub use settings::{
     AeroSettings, ArenaObject, ArenaSettings, ContactSettings, GripperSettings, PayloadSettings,
     PlantSettings, RotorSettings, SensorSettings, VehicleSettings, WindKind, WindSettings,
 };
-pub use setup::new_world;
-pub use vehicle::{SimulatedVehicle, Start};
+pub use setup::{Start, new_world};
+pub use vehicle::SimulatedVehicle;
+
+/// Plant step, s.
+const STEP_S: f64 = 1e-3;
 
 /// Why a vehicle or an arena cannot be simulated.
 #[derive(Debug, thiserror::Error)]
