@@ -5,9 +5,11 @@ mod assemble;
 pub mod cache;
 pub mod checks;
 pub mod collect;
+mod demands;
 pub mod divergence;
 mod divergence_report;
 mod document;
+mod ending;
 mod failures;
 pub mod file;
 pub mod golden;
@@ -29,8 +31,9 @@ pub mod verdict;
 use std::path::{Path, PathBuf};
 
 pub use checks::Broken;
-pub use divergence::{Flyer, Miss, Shot, Twin};
-pub use divergence_report::{Light, Report as DivergenceReport};
+pub use divergence::{Flyer, Twin};
+pub use divergence_report::{Light, Miss, Report as DivergenceReport, Shot};
+pub use ending::Verdict;
 pub use file::ScenarioError;
 pub use json_schema::json_schema;
 pub use parallel::side_by_side;
@@ -38,7 +41,7 @@ pub use run::{Assessor, Report, fly};
 pub use scene::ActuatorLimits;
 pub use settings::Settings;
 pub use shadow::{Shadow, ShadowReport, shadow};
-pub use verdict::{Judge, Verdict};
+pub use verdict::Judge;
 
 pub use crate::control::Preset;
 use crate::flight::{Flight, Parts};
@@ -92,7 +95,7 @@ impl Scenario {
             key: "gains".into(),
             reason: error.to_string(),
         })?;
-        checks::validate(&scenario.settings).map_err(|error| ScenarioError::Value {
+        demands::validate(&scenario.settings).map_err(|error| ScenarioError::Value {
             place: file.display().to_string(),
             key: error.key,
             reason: error.reason,
