@@ -24,6 +24,7 @@ mod pace;
 mod pilot;
 mod place;
 pub mod protocol;
+mod published;
 mod rate;
 mod running;
 mod sortie;

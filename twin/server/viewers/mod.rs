@@ -11,6 +11,7 @@ mod drawing;
 pub mod export;
 #[cfg(test)]
 pub(super) mod fixture;
+mod flown;
 mod forces;
 mod layers;
 pub(super) mod meshcat;
