@@ -1,32 +1,32 @@
 //! One TOML file, one flight, one verdict.
 
-pub mod acceptance;
-mod assemble;
-pub mod cache;
 pub mod checks;
-pub mod collect;
-mod demands;
-pub mod divergence;
-mod divergence_report;
-mod document;
-mod ending;
-mod failures;
-pub mod file;
 pub mod golden;
-mod json_schema;
-mod limits;
-mod merge;
-pub mod metrics;
-mod parallel;
-pub mod run;
-pub mod scene;
-pub mod settings;
-pub mod shadow;
-mod shadow_score;
 pub mod sweep;
-pub mod table;
-mod trained;
+mod ending;
+pub mod settings;
+mod limits;
+mod document;
+mod merge;
+pub mod file;
+mod demands;
 pub mod verdict;
+pub mod metrics;
+mod failures;
+mod trained;
+mod assemble;
+pub mod scene;
+pub mod run;
+mod parallel;
+pub mod collect;
+pub mod cache;
+pub mod table;
+pub mod acceptance;
+mod shadow_score;
+pub mod shadow;
+mod divergence_report;
+pub mod divergence;
+mod json_schema;
 
 use std::path::{Path, PathBuf};
 

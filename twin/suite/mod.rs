@@ -5,19 +5,19 @@
 //! recordings.
 
 mod case;
-pub mod diff;
-pub mod junit;
-mod merge;
-mod message;
-pub mod page;
-mod picture;
-mod plan;
-mod record;
-mod report;
 mod result;
-mod run;
 pub mod share;
 mod sweep;
+mod plan;
+mod message;
+mod record;
+mod report;
+mod run;
+mod merge;
+pub mod junit;
+mod picture;
+pub mod page;
+pub mod diff;
 
 pub use case::{Case, Sample, Shard};
 pub use merge::{MergeError, merge};

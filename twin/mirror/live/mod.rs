@@ -4,11 +4,11 @@
 //! In: records from a thread. Out: [`OpenedFlight`]s, anew whenever more is known (the thrust's gain, once it flies) or the
 //! stream begins anew. While nothing comes, time goes on and nothing is known.
 
-mod footage;
 mod pulse;
 mod shared;
 mod socket;
 mod tail;
+mod footage;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -3,9 +3,9 @@
 //! In: the `[[checks]]` and `[[expect.events]]` of a scenario, then every [`Tick`]. Out: what does not hold, each with the
 //! second from which it could no longer hold. State: the samples of each window and the events so far.
 
-mod events;
 mod signals;
 mod statistic;
+mod events;
 
 use std::fmt::Write;
 
