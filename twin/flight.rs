@@ -5,8 +5,8 @@
 //! State: what those parts hold, the values in force ([`Tuning`]) and the last command. No I/O, no clock, no thread, no
 //! unseeded randomness.
 
-mod parts;
 mod schedule;
+mod parts;
 
 pub use parts::{Parts, Stage};
 pub use schedule::{Condition, Trigger};

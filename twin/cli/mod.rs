@@ -1,23 +1,24 @@
 //! Commands and their flags.
 
-mod acceptance;
-#[cfg(feature = "train")]
-mod allocator;
+mod viewers;
+mod fly;
+mod mirror_beside;
+mod mirror;
+mod test_table;
+mod test;
 mod check;
+mod info;
+mod acceptance;
+mod evaluate;
+mod train;
 mod collect;
 mod diff;
-mod evaluate;
 mod export_csv;
 mod export_html;
 mod export_viewers;
-mod fly;
-mod info;
-mod mirror;
-mod mirror_beside;
-mod test;
-mod test_table;
-mod train;
-mod viewers;
+
+#[cfg(feature = "train")]
+mod allocator;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

@@ -1,14 +1,14 @@
 //! What makes `tau`: total functions that cannot fail. An outer law makes a [`Setpoint`] at 100 Hz, the inner rows turn it
 //! into rotor thrusts and joint torques at 500 Hz.
 
-pub mod adaptive;
-pub mod allocation;
-pub mod attitude;
-pub mod compensation;
-pub mod excited;
 pub mod gains;
-pub mod l1;
+pub mod compensation;
+pub mod adaptive;
 pub mod pid;
+pub mod l1;
+pub mod excited;
+pub mod attitude;
+pub mod allocation;
 pub mod rows;
 
 use nalgebra::Vector3;

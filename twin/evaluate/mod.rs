@@ -2,19 +2,19 @@
 //!
 //! In: recordings and scenarios. Out: tables as plain values, pictures, pages. No printing: that is `cli`.
 
-pub mod ablation;
-pub mod entrants;
+pub mod series;
+pub mod score;
+pub mod replay;
 pub mod fit;
+pub mod entrants;
+pub mod sheet;
+pub mod prediction;
+pub mod pictures;
+pub mod ablation;
+pub mod pickup;
 pub mod mirrored;
 mod page;
 pub mod paths;
-pub mod pickup;
-pub mod pictures;
-pub mod prediction;
-pub mod replay;
-pub mod score;
-pub mod series;
-pub mod sheet;
 
 pub use page::{pictures_page, prediction_page};
 pub use prediction::{PredictionTable, Row};

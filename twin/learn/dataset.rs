@@ -9,6 +9,7 @@ use sha2::{Digest, Sha256};
 
 use super::LearnError;
 use super::foreign;
+use super::raw::Raw;
 use crate::mirror::{OpenedFlight, Recording, read_recording, recorded_nominal_inertia};
 use crate::notation::{N, ROWS};
 use crate::tick::{Adaptation, Tick};
@@ -49,16 +50,6 @@ pub struct Dataset {
     pub flights: Vec<FlightSeries>,
     /// Channels that were left out because a flight does not know them.
     pub left_out: Vec<String>,
-}
-
-/// A flight with all channels, unknown ones absent.
-pub(super) struct Raw {
-    pub(super) path: PathBuf,
-    /// Per channel in the order of [`STEMS`] × rows.
-    pub(super) inputs: Vec<Option<Vec<f64>>>,
-    pub(super) outputs: Vec<Option<Vec<f64>>>,
-    pub(super) usable: Vec<bool>,
-    pub(super) nominal_inertia: Vec<f64>,
 }
 
 impl Dataset {

@@ -1,7 +1,7 @@
 //! A flight that another program recorded, as series. In the air and known counts; a row that is unknown most of the time is
 //! left out, short gaps hold the last value and are not learned from.
 
-use super::dataset::Raw;
+use super::raw::Raw;
 use crate::mirror::OpenedFlight;
 use crate::notation::N;
 use crate::scenario::Shadow;

@@ -3,26 +3,27 @@
 //! Reading, splitting, normalising and writing need nothing but this crate; the models and their gradients are in burn, behind
 //! the Cargo feature `train`. What flies is never burn: `residual` runs the written file with its own forward pass.
 
-pub mod adam;
-pub mod checkpoint;
-pub mod config;
-pub mod curve;
-pub mod dataset;
 mod error;
-pub mod file;
+pub mod config;
+mod raw;
 pub mod foreign;
-pub mod parameters;
-pub mod regime;
+pub mod dataset;
 pub mod windows;
+pub mod parameters;
+pub mod adam;
+pub mod file;
+pub mod checkpoint;
+pub mod curve;
+pub mod regime;
 
-#[cfg(feature = "train")]
-pub mod baselines;
 #[cfg(feature = "train")]
 pub mod device;
 #[cfg(feature = "train")]
+pub mod graph;
+#[cfg(feature = "train")]
 pub mod fdt;
 #[cfg(feature = "train")]
-pub mod graph;
+pub mod baselines;
 #[cfg(feature = "train")]
 pub mod train;
 

@@ -4,18 +4,15 @@
 //! is left out whole, so damage never yields a wrong value; a chunk that the end of the file cuts off is read to its last whole
 //! record. One chunk is held at a time.
 
-use std::collections::BTreeSet;
-use std::io::{ErrorKind, Read};
+use std::io::Read;
 
+use super::findings::fill;
+pub use super::findings::{ContainerError, Findings};
 use mcap::records::Record;
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
-use serde::Serialize;
 
 /// Longest record and chunk that is read.
 pub(super) const LONGEST_RECORD_BYTES: u64 = 256 << 20;
-
-/// Most problems that are kept; the rest is counted.
-const MOST_PROBLEMS: usize = 20;
 
 /// Opcodes that are read by this file itself: footer, chunk, end of the data.
 pub(super) const FOOTER: u8 = 0x02;
@@ -24,54 +21,6 @@ pub(super) const DATA_END: u8 = 0x0F;
 
 /// Length of opcode and length before every record.
 pub(super) const HEAD_BYTES: usize = 9;
-
-/// What the file is like as a container.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Findings {
-    /// Profile named in the header, such as `ros2`.
-    pub profile: String,
-    /// Program that wrote the file.
-    pub library: String,
-    /// Compressions met: `none`, `zstd`, `lz4` or an unknown word.
-    pub compressions: BTreeSet<String>,
-    /// Chunks read whole.
-    pub chunks: u64,
-    /// Chunks left out, because they are damaged or cannot be unpacked.
-    pub chunks_lost: u64,
-    /// The data section ends as it should and a footer follows.
-    pub complete: bool,
-    /// Times a flight controller could not keep up with logging.
-    pub dropouts: u64,
-    /// What is wrong, a sentence each.
-    pub problems: Vec<String>,
-    /// Problems beyond those listed.
-    pub more_problems: u64,
-}
-
-impl Findings {
-    /// Notes a problem; beyond a number they are only counted.
-    pub fn problem(&mut self, text: String) {
-        if self.problems.len() < MOST_PROBLEMS {
-            self.problems.push(text);
-        } else {
-            self.more_problems += 1;
-        }
-    }
-}
-
-/// Why nothing can be read.
-#[derive(Debug, thiserror::Error)]
-pub enum ContainerError {
-    /// The system refuses.
-    #[error("cannot be read: {0}; check the path and the permissions")]
-    Unreadable(#[from] std::io::Error),
-    /// It is something else.
-    #[error("not an MCAP file: it starts with {found:?}, expected {expected:?} (or a ULog, which starts with \"ULog\"); check the path, or convert it with the `mcap` tool", expected = mcap::MAGIC.escape_ascii().to_string())]
-    NotMcap {
-        /// Its first bytes.
-        found: String,
-    },
-}
 
 /// Reads `input` to its end or to where it breaks; `on` sees every schema, channel, message and metadata record.
 ///
@@ -139,19 +88,6 @@ fn next(input: &mut impl Read, record: &mut Vec<u8>) -> std::io::Result<Next> {
     }
     let whole = fill(input, length, record)?;
     Ok(if whole { Next::Record } else { Next::End })
-}
-
-/// Appends `length` bytes if there are so many; false at the end of the file.
-pub(super) fn fill(
-    input: &mut impl Read,
-    length: u64,
-    record: &mut Vec<u8>,
-) -> std::io::Result<bool> {
-    match input.take(length).read_to_end(record) {
-        Ok(read) => Ok(read as u64 == length),
-        Err(error) if error.kind() == ErrorKind::UnexpectedEof => Ok(false),
-        Err(error) => Err(error),
-    }
 }
 
 /// One record of the file; false after the end of the data.

@@ -8,7 +8,7 @@ use super::series::Series;
 use super::signals::Signals;
 use super::thrust_fit::{AIRBORNE_SHARE, ThrustFit, delayed, fit, high};
 use super::topics::Quantity;
-use super::torque::Torque;
+use super::torque_gains::Torque;
 use crate::notation::{GRAVITY_M_S2, world_from_body};
 
 /// Least thrust of a vehicle in the air, as a share of the largest.

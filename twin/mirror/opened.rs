@@ -9,7 +9,7 @@ use super::container::ContainerError;
 use super::effort::Effort;
 use super::film::Footage;
 use super::gather::gather_from;
-use super::index::{Index, Input};
+use super::index::Index;
 use super::own_footage::OwnFootage;
 use super::recorded::{MirrorError, RecordedFlight, on_ticks};
 use super::recording::{RecordingError, TICK_TOPIC};
@@ -17,6 +17,7 @@ use super::replayed::replayed;
 use super::signals::{Signals, signals};
 use super::stretches::{LONG_S, judge};
 use super::survey::Survey;
+use super::table::Input;
 use super::topics::{Map, MapError, SHIPPED};
 
 /// Most topics that an error lists.

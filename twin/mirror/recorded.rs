@@ -7,8 +7,8 @@
 use std::ops::Range;
 
 use nalgebra::{Vector2, Vector3};
-use serde::Serialize;
 
+pub use super::derivation::Derivation;
 use super::effort::{Effort, Settled, effort};
 use super::grid::{Ticks, curvature, filtered, filtered_times, slope};
 use super::inertial;
@@ -59,29 +59,6 @@ pub struct RecordedFlight {
     pub airborne_above: f64,
     /// Names of the joints in the rows q1 and q2, as far as the recording has any.
     pub joint_names: Vec<String>,
-}
-
-/// How an acceleration was got.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Derivation {
-    /// Slope of a measured velocity or angular velocity.
-    MeasuredRate,
-    /// Accelerometer, its bias corrected by the position.
-    Accelerometer,
-    /// Twice differentiated pose.
-    Pose,
-    /// As it was recorded by this program.
-    Recorded,
-    /// There is nothing to derive it from.
-    Unknown,
-}
-
-impl Derivation {
-    /// How often the acceleration and the force of the same rows pass `H`.
-    pub fn passes(self) -> usize {
-        if self == Self::Pose { 2 } else { 1 }
-    }
 }
 
 /// Why there is nothing to mirror.

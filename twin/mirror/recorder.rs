@@ -4,16 +4,14 @@
 //! lossless `/twin/tick` and `/twin/measurement`. One thread writes; every half second a chunk is closed and flushed, so a
 //! killed run can be read to its last chunk. Log time is simulated time.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use crate::mirror::program;
-use crate::mirror::recording::{MIRRORED, RecordingError};
-use crate::mirror::scene::Scene;
+use crate::mirror::recording::RecordingError;
+use crate::mirror::recording_info::{RecordingEnd, RecordingInfo};
 use crate::mirror::track::TrackWriter;
 use crate::tick::Tick;
 
@@ -25,42 +23,6 @@ const CHUNK_WALL: Duration = Duration::from_millis(500);
 
 /// … and after this many ticks, whichever comes first.
 const CHUNK_TICKS: u32 = 100;
-
-/// What a recording says about its flight.
-#[derive(Clone, Debug)]
-pub struct RecordingInfo {
-    /// Name of the scenario.
-    pub scenario: String,
-    /// The scenario with every default and override resolved, as TOML.
-    pub scenario_toml: String,
-    /// Seed of the run.
-    pub seed: u64,
-    /// Values in force at the start, as JSON.
-    pub gains_json: String,
-    /// What the actuators can do, as JSON.
-    pub limits_json: String,
-    /// Scale, attention and arithmetic of the predictor, as JSON.
-    pub predictor_json: String,
-    /// Arithmetic of the predictor's network: part of what makes two flights of one seed equal.
-    pub kernel: String,
-    /// The vehicle's URDF.
-    pub urdf: String,
-    /// What to draw.
-    pub scene: Scene,
-    /// URDF names of the arm joints, `q1` first.
-    pub joint_names: Vec<String>,
-    /// A foreign flight in shadow: what is not a number in its ticks is unknown, not a fault.
-    pub mirrored: bool,
-}
-
-/// What is known at the end of a flight only.
-#[derive(Clone, Debug, Default)]
-pub struct RecordingEnd {
-    /// Hash of the flight's final state.
-    pub state_hash: u64,
-    /// Verdict with its reason, empty if the flight was cut short.
-    pub verdict: String,
-}
 
 /// What was written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -203,24 +165,4 @@ fn write_all(mut track: TrackWriter, orders: &Receiver<Order>) -> Result<u64, Re
 #[expect(clippy::disallowed_methods, reason = "decides when to flush, never what is written")]
 fn now() -> Instant {
     Instant::now()
-}
-
-impl RecordingInfo {
-    /// The metadata written at the start.
-    pub(super) fn metadata(&self) -> BTreeMap<String, String> {
-        let mirrored = self.mirrored.then(|| (MIRRORED.to_owned(), "true".to_owned()));
-        let said = [
-            ("scenario", self.scenario.clone()),
-            ("seed", self.seed.to_string()),
-            ("gains", self.gains_json.clone()),
-            ("actuator_limits", self.limits_json.clone()),
-            ("version", program::VERSION.to_owned()),
-            ("git", program::commit().to_owned()),
-            ("predictor", self.predictor_json.clone()),
-            ("kernel", self.kernel.clone()),
-            ("joints", serde_json::json!(self.joint_names).to_string()),
-        ]
-        .map(|(key, value)| (key.to_owned(), value));
-        said.into_iter().chain(mirrored).collect()
-    }
 }

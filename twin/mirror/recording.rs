@@ -237,7 +237,7 @@ mod tests {
 
     use super::*;
     use crate::mirror::fixture;
-    use crate::mirror::recorder::{Recorder, RecordingEnd, RecordingInfo};
+    use crate::mirror::{Recorder, RecordingEnd, RecordingInfo};
 
     /// More than two chunks, so that a cut leaves some of them.
     const TICKS: u64 = 250;

@@ -6,7 +6,7 @@ use std::io::{BufReader, Read, SeekFrom};
 use mcap::records::Record;
 
 use super::container::{CHUNK, DATA_END, FOOTER, Findings, HEAD_BYTES, LONGEST_RECORD_BYTES};
-use super::index::{Input, Place, Table, header as message, read_at, unpack_record};
+use super::table::{Input, Place, Table, header as message, read_at, unpack_record};
 
 /// Opcodes that are told apart here.
 const HEADER: u8 = 0x01;

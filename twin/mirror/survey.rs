@@ -9,7 +9,8 @@ use mcap::records::{MessageHeader, Record};
 use serde::Serialize;
 
 use super::container::{self, ContainerError, Findings};
-use super::index::{Definitions, Index};
+use super::index::Index;
+use super::table::Definitions;
 use super::topics::{Map, Quantity};
 
 /// One channel.

@@ -10,10 +10,10 @@ use foxglove::messages::{FrameTransforms, JointStates, Log, SceneUpdate};
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, WriteOptions, Writer};
 
-use crate::mirror::recorder::{RecordingEnd, RecordingInfo};
 use crate::mirror::recording::{
     MEASUREMENT_TOPIC, METADATA_END, METADATA_START, RecordingError, TICK_TOPIC,
 };
+use crate::mirror::recording_info::{RecordingEnd, RecordingInfo};
 use crate::mirror::scene::Scene;
 use crate::mirror::views;
 use crate::tick::Tick;

@@ -9,7 +9,7 @@ use std::io::Read;
 
 use mcap::records::{Channel, MessageHeader, Record, SchemaHeader};
 
-use super::container::{ContainerError, Findings, fill};
+use super::findings::{ContainerError, Findings, fill};
 
 /// First bytes of every log; a version byte follows.
 pub(super) const MAGIC: [u8; 7] = *b"ULog\x01\x12\x35";

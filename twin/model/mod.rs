@@ -6,19 +6,20 @@
 //! A URDF is read twice on purpose: [`check`] reads the raw XML, because only there a missing `<inertial>` differs from
 //! a zero one and only there a finding has a line; `load` then takes the values from `urdf-rs`.
 
-mod check;
-mod inertia;
-mod kinematics;
-mod load;
-mod mesh;
 mod numbers;
+mod check;
+mod tree;
+mod inertia;
 mod packages;
+mod mesh;
+mod load;
+mod kinematics;
+mod statics;
+
 #[cfg(test)]
 mod refusals;
-mod statics;
 #[cfg(test)]
 mod tests;
-mod tree;
 
 use std::path::PathBuf;
 

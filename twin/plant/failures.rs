@@ -6,32 +6,6 @@ use rapier3d_f64::prelude::ColliderHandle;
 use super::SimulatedVehicle;
 use crate::source::Failure;
 
-/// What is wrong with the sensors.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct SensorFailures {
-    /// Motion capture takes no sample.
-    pub(super) mocap_lost: bool,
-    /// Added to the measured position of the base, m.
-    pub(super) mocap_offset: Vector3<f64>,
-    /// Added to the specific force, m/s².
-    pub(super) accelerometer_bias: Vector3<f64>,
-    /// Added to the angular rate, rad/s.
-    pub(super) gyro_bias: Vector3<f64>,
-    /// Encoders repeat their last angle.
-    pub(super) encoders_dead: bool,
-}
-
-/// What is wrong with the vehicle besides its sensors and rotors.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Failures {
-    /// Commands stay as they are.
-    pub(super) stalled: bool,
-    /// Added to the wind, m/s.
-    pub(super) gust: Vector3<f64>,
-    /// Friction of the grip before it turned slippery.
-    healthy_friction: Vec<(ColliderHandle, f64)>,
-}
-
 impl SimulatedVehicle {
     /// A part fails (`on`) or works again.
     pub(super) fn fail(&mut self, failure: &Failure, on: bool) {

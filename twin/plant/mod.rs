@@ -3,21 +3,22 @@
 //! In: a [`crate::tick::Setpoint`] and the inner rows. Out: a [`crate::tick::Measurement`] every 10 ms, made of ten steps of 1 ms.
 //! State: Rapier's world, actuators, wake, wind, sensors, estimator.
 
-mod aero;
-mod arena;
-pub mod articulation;
+pub mod settings;
 mod convert;
-mod estimator;
-mod failures;
-mod free;
+pub mod articulation;
+mod arena;
 mod gripper;
 mod rotors;
-mod sensors;
-pub mod settings;
-mod setup;
-mod truth;
-pub mod vehicle;
+mod aero;
 mod wind;
+mod sensors;
+mod estimator;
+mod setup;
+pub mod vehicle;
+mod failures;
+mod truth;
+mod source;
+mod free;
 
 pub use articulation::Articulation;
 pub use free::{FreeBody, Motion, Wrench, locked};
@@ -25,8 +26,11 @@ pub use settings::{
     AeroSettings, ArenaObject, ArenaSettings, ContactSettings, GripperSettings, PayloadSettings,
     PlantSettings, RotorSettings, SensorSettings, VehicleSettings, WindKind, WindSettings,
 };
-pub use setup::new_world;
-pub use vehicle::{SimulatedVehicle, Start};
+pub use setup::{Start, new_world};
+pub use vehicle::SimulatedVehicle;
+
+/// Plant step, s.
+const STEP_S: f64 = 1e-3;
 
 /// Why a vehicle or an arena cannot be simulated.
 #[derive(Debug, thiserror::Error)]

@@ -7,7 +7,6 @@ use rand::SeedableRng;
 use rand::distr::Distribution;
 use rand_pcg::Pcg64;
 
-use super::failures::SensorFailures;
 use super::settings::SensorSettings;
 use crate::elementary::{sin_cos, squared};
 use crate::normal::StandardNormal;
@@ -44,6 +43,21 @@ pub(super) struct Imu {
     pub(super) accelerometer: Vector3<f64>,
     /// Angular rate, rad/s.
     pub(super) gyro: Vector3<f64>,
+}
+
+/// What is wrong with the sensors.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct SensorFailures {
+    /// Motion capture takes no sample.
+    pub(super) mocap_lost: bool,
+    /// Added to the measured position of the base, m.
+    pub(super) mocap_offset: Vector3<f64>,
+    /// Added to the specific force, m/s².
+    pub(super) accelerometer_bias: Vector3<f64>,
+    /// Added to the angular rate, rad/s.
+    pub(super) gyro_bias: Vector3<f64>,
+    /// Encoders repeat their last angle.
+    pub(super) encoders_dead: bool,
 }
 
 /// Sensors with their biases and the samples under way.

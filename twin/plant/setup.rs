@@ -1,6 +1,6 @@
 //! How a flight begins: the world, the joints, the cube.
 
-use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, UnitQuaternion, Vector2, Vector3};
 use rand::RngExt;
 use rand::distr::Distribution;
 use rand_pcg::Pcg64;
@@ -8,11 +8,23 @@ use rapier3d_f64::prelude::*;
 
 use super::arena::Arena;
 use super::gripper::{Gripper, apply_joint_properties};
-use super::vehicle::{STEP_S, Start};
-use super::{Articulation, ContactSettings, PlantError, PlantSettings, VehicleSettings};
+use super::{Articulation, ContactSettings, PlantError, PlantSettings, STEP_S, VehicleSettings};
 use crate::model::Robot;
 use crate::normal::StandardNormal;
 use crate::notation::GRAVITY_M_S2;
+
+/// Where a flight begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Start {
+    /// Origin of the root link in the world, m.
+    pub position: Vector3<f64>,
+    /// Arm joint angles, rad.
+    pub joints: Vector2<f64>,
+    /// Pose of the payload if it starts in the closed gripper.
+    pub grasped: Option<Vector3<f64>>,
+    /// Plant steps of 1 ms between two calls of the inner rows.
+    pub inner_steps: u64,
+}
 
 /// Everything in Rapier's world.
 pub(super) struct Rig {

@@ -3,9 +3,13 @@
 use nalgebra::Vector3;
 use rapier3d_f64::prelude::*;
 
+use super::STEP_S;
 use super::convert::{from_pose, from_vector, view_pose};
-use super::vehicle::{STEP_S, SimulatedVehicle, true_coordinates};
+use super::estimator::stack;
+use super::sensors::State;
+use super::vehicle::SimulatedVehicle;
 use crate::elementary::acos;
+use crate::notation::{Coords, euler_from_rotation, euler_rate_from_body_rate, wrap_angle};
 use crate::tick::{Contact, Truth};
 
 /// Contacts weaker than this are not shown, N.
@@ -14,7 +18,7 @@ const FAINTEST_N: f64 = 0.02;
 /// The truth of a tick.
 pub(super) fn truth(vehicle: &SimulatedVehicle) -> Truth {
     let state = vehicle.state();
-    let (chi, chi_dot) = true_coordinates(&state, 0.0);
+    let (chi, chi_dot) = true_coordinates(&state);
     let links = (0..vehicle.robot.links.len())
         .map(|link| vehicle.articulation.link_pose(&vehicle.world, link));
     let mut poses: Vec<_> = links.map(|pose| view_pose(&pose)).collect();
@@ -49,6 +53,15 @@ pub(super) fn truth(vehicle: &SimulatedVehicle) -> Truth {
         rotor_thrust_n: vehicle.rotors.thrust_n,
         contacts: found.points,
     }
+}
+
+/// True coordinates and their rates, yaw within half a turn.
+fn true_coordinates(state: &State) -> (Coords, Coords) {
+    let mut eta = euler_from_rotation(&state.rotation);
+    // Of a yaw of -0.0 it makes 0.0, which hashes differently.
+    eta.z = 0.0 + wrap_angle(eta.z);
+    let eta_dot = euler_rate_from_body_rate(&eta) * state.omega;
+    (stack(&state.position, &eta, &state.joint), stack(&state.velocity, &eta_dot, &state.joint_dot))
 }
 
 /// Contacts of this step with their forces.

@@ -1,4 +1,4 @@
-//! The simulated vehicle as a [`Source`]: ten 1 ms steps per tick, the inner rows every second one.
+//! The simulated vehicle and one step of its world, 1 ms.
 
 use nalgebra::{Vector2, Vector3};
 use rand::SeedableRng;
@@ -9,25 +9,17 @@ use super::aero::{Aero, Flow, wake_force};
 use super::arena::Arena;
 use super::convert::{from_vector, rotation_matrix, to_vector};
 use super::estimator::{Estimator, stack};
-use super::failures::Failures;
 use super::gripper::Gripper;
 use super::rotors::{Delay, Rotors};
 use super::sensors::{Sensors, State};
-use super::setup::{Rig, rig};
+use super::setup::{Rig, Start, rig};
 use super::wind::Wind;
-use super::{Articulation, PlantError, PlantSettings};
+use super::{Articulation, PlantError, PlantSettings, STEP_S};
 use crate::elementary::{atan2, squared};
 use crate::filter::Butterworth;
 use crate::model::{Robot, Statics};
-use crate::notation::{
-    Coords, GRAVITY_M_S2, MAX_ROTORS, N, TICK_S, body_rate_from_euler_rate, euler_from_rotation,
-    wrap_angle,
-};
-use crate::source::{Disturbance, InnerLoop, InnerState, Source};
-use crate::tick::{ActuatorCommand, GripperReading, Measurement, PayloadReading, Setpoint, Truth};
-
-/// Plant step, s.
-pub(super) const STEP_S: f64 = 1e-3;
+use crate::notation::{Coords, GRAVITY_M_S2, MAX_ROTORS, N, body_rate_from_euler_rate};
+use crate::tick::{ActuatorCommand, PayloadReading, Setpoint};
 
 /// Corner of the filter pair `H` on acceleration and applied force, Hz: the optimum between noise and lag.
 const RESIDUAL_CORNER_HZ: f64 = 8.0;
@@ -35,17 +27,15 @@ const RESIDUAL_CORNER_HZ: f64 = 8.0;
 /// Drag coefficient of a cube.
 const CUBE_DRAG: f64 = 1.05;
 
-/// Where a flight begins.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Start {
-    /// Origin of the root link in the world, m.
-    pub position: Vector3<f64>,
-    /// Arm joint angles, rad.
-    pub joints: Vector2<f64>,
-    /// Pose of the payload if it starts in the closed gripper.
-    pub grasped: Option<Vector3<f64>>,
-    /// Plant steps of 1 ms between two calls of the inner rows.
-    pub inner_steps: u64,
+/// What is wrong with the vehicle besides its sensors and rotors.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Failures {
+    /// Commands stay as they are.
+    pub(super) stalled: bool,
+    /// Added to the wind, m/s.
+    pub(super) gust: Vector3<f64>,
+    /// Friction of the grip before it turned slippery.
+    pub(super) healthy_friction: Vec<(ColliderHandle, f64)>,
 }
 
 /// The vehicle, its arena, its sensors.
@@ -61,19 +51,19 @@ pub struct SimulatedVehicle {
     pub(super) wind_now: Vector3<f64>,
     pub(super) failures: Failures,
     pub(super) sensors: Sensors,
-    aero: Aero,
-    wind: Wind,
-    estimator: Estimator,
-    payload_seen: Option<PayloadReading>,
+    pub(super) aero: Aero,
+    pub(super) wind: Wind,
+    pub(super) estimator: Estimator,
+    pub(super) payload_seen: Option<PayloadReading>,
     rng: Pcg64,
     joint_delay: Delay<Vector2<f64>>,
-    command: ActuatorCommand,
+    pub(super) command: ActuatorCommand,
     filter_chi_ddot: Butterworth<N>,
     filter_tau: Butterworth<N>,
-    push: Option<(Vector3<f64>, f64)>,
+    pub(super) push: Option<(Vector3<f64>, f64)>,
     hover_speed_rad_s: f64,
-    step: u64,
-    inner_steps: u64,
+    pub(super) step: u64,
+    pub(super) inner_steps: u64,
 }
 
 impl SimulatedVehicle {
@@ -178,7 +168,7 @@ impl SimulatedVehicle {
     }
 
     /// One 1 ms step of the world under the command in force.
-    fn step_world(&mut self, state: &State, setpoint: &Setpoint) {
+    pub(super) fn step_world(&mut self, state: &State, setpoint: &Setpoint) {
         let t_s = self.step as f64 * STEP_S;
         let wind = self.wind.step(t_s, state.velocity.norm(), STEP_S, &mut self.rng);
         self.wind_now = wind + self.failures.gust;
@@ -247,7 +237,7 @@ impl SimulatedVehicle {
     }
 
     /// Sensors, estimator and the filter pair `H` after a step.
-    fn sense(&mut self, state: &State) -> (Coords, Coords) {
+    pub(super) fn sense(&mut self, state: &State) -> (Coords, Coords) {
         let speeds = std::array::from_fn(|i| self.rotors.speed_rad_s(i));
         let imu = self.sensors.imu(state, &speeds, self.hover_speed_rad_s);
         self.estimator.predict(&imu);
@@ -268,72 +258,4 @@ impl SimulatedVehicle {
         let tau_eta = body_rate_from_euler_rate(&self.estimator.eta()).transpose() * moment;
         stack(&force, &tau_eta, &self.command.joint_torque_n_m)
     }
-}
-
-impl Source for SimulatedVehicle {
-    fn advance(&mut self, setpoint: &Setpoint, inner: &mut dyn InnerLoop) -> Measurement {
-        let mut saturated = false;
-        let mut filtered = (Coords::zeros(), Coords::zeros());
-        let steps = (TICK_S / STEP_S).round() as usize;
-        let mut state = self.state();
-        for _ in 0..steps {
-            if self.step.is_multiple_of(self.inner_steps) && !self.failures.stalled {
-                let (chi, chi_dot) = (self.estimator.chi(), self.estimator.chi_dot());
-                let view = InnerState {
-                    eta: chi.fixed_rows::<3>(3).into_owned(),
-                    eta_dot: chi_dot.fixed_rows::<3>(3).into_owned(),
-                    joint: chi.fixed_rows::<2>(6).into_owned(),
-                    joint_dot: chi_dot.fixed_rows::<2>(6).into_owned(),
-                };
-                self.command = inner.command(setpoint, &view);
-                saturated |= self.command.saturated;
-            }
-            self.step_world(&state, setpoint);
-            state = self.state();
-            filtered = self.sense(&state);
-        }
-        Measurement {
-            t_s: self.step as f64 * STEP_S,
-            chi: self.estimator.chi(),
-            chi_dot: self.estimator.chi_dot(),
-            chi_ddot: filtered.0,
-            tau_applied: filtered.1,
-            gripper: self.gripper.as_ref().map_or_else(GripperReading::default, |g| {
-                g.reading(&self.world, &self.articulation)
-            }),
-            payload: self.payload_seen,
-            saturated,
-        }
-    }
-
-    fn truth(&self) -> Option<Truth> {
-        Some(super::truth::truth(self))
-    }
-
-    fn disturb(&mut self, disturbance: &Disturbance) {
-        match disturbance {
-            Disturbance::PayloadMass { kg } => {
-                self.settings.payload.mass_kg = *kg;
-                self.arena.set_payload_mass(&mut self.world, *kg, self.settings.payload.size_m);
-            }
-            Disturbance::Wind { velocity_m_s } => self.wind.settings.velocity_m_s = *velocity_m_s,
-            Disturbance::Push { force_n, duration_s } => {
-                self.push = Some((Vector3::from(*force_n), *duration_s));
-            }
-            // The cube turns slippery: it leaves the closed fingers by its weight.
-            Disturbance::DropPayload => self.set_grip_friction(0.0),
-            Disturbance::Failure { failure, on } => self.fail(failure, *on),
-            Disturbance::Effect { name, on } => {
-                self.aero.switch(name, *on);
-            }
-        }
-    }
-}
-
-/// True coordinates with yaw nearest to `psi_near`.
-pub(super) fn true_coordinates(state: &State, psi_near: f64) -> (Coords, Coords) {
-    let mut eta = euler_from_rotation(&state.rotation);
-    eta.z = psi_near + wrap_angle(eta.z - psi_near);
-    let eta_dot = crate::notation::euler_rate_from_body_rate(&eta) * state.omega;
-    (stack(&state.position, &eta, &state.joint), stack(&state.velocity, &eta_dot, &state.joint_dot))
 }

@@ -3,8 +3,8 @@
 //! In: a [`Recording`]. Out: HTML with script, style and flight inside. The flight is judged again from its ticks by the
 //! scenario it carries, so the page knows what was not kept and opens there. State: none.
 
-mod assets;
 mod frames;
+mod assets;
 mod viewers;
 
 pub use viewers::{export_meshcat, export_viser};

@@ -2,8 +2,8 @@
 //!
 //! They see the newest entry of the history, z-scored, masked channels left out, and forecast `j = 0..=k` at once.
 
-pub mod gp;
 pub mod sindy;
+pub mod gp;
 
 use crate::notation::{Coords, N};
 use crate::residual::weights::{Head, WeightsError};

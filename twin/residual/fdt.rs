@@ -21,9 +21,9 @@
 //!   The number of tokens is then no part of its size.
 //! - **Correction** (`r_adapt`): the adapter corrects `j = 0`; what it adds there is added to every `j`.
 
-mod fast;
-mod fold;
 mod model;
+mod fold;
+mod fast;
 
 use super::nn::Precision;
 use super::nn::kernels::Kernel;

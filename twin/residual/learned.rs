@@ -3,12 +3,12 @@
 //! In: [`History`]. Out: [`Forecast`] in N and N m, and the last hidden vector as the regime the adapter corrects on. State: the
 //! weights; of those that learn in flight also the last layer.
 
-pub mod gpt2;
-pub mod lstm;
 pub mod mlp;
-pub mod neural_fly;
 mod stack;
+pub mod lstm;
 pub mod transformer;
+pub mod gpt2;
+pub mod neural_fly;
 
 use serde::{Deserialize, Serialize};
 

@@ -3,20 +3,20 @@
 //! In: the history of coordinates, rates and applied force. Out: a [`Forecast`] of `r` and the regime latent `g'`, then the
 //! [`Adapted`](crate::tick::Adapted) estimate of the Latent Residual Adapter.
 
-pub mod baselines;
-pub mod failing;
-pub mod fdt;
-pub mod gravity;
-pub mod history;
 pub mod label;
-pub mod learned;
+pub mod history;
 pub mod lra;
-pub mod nn;
+pub mod gravity;
 pub mod persistence;
 pub mod random_features;
 mod scaling;
-pub mod trained;
 pub mod weights;
+pub mod nn;
+pub mod fdt;
+pub mod baselines;
+pub mod learned;
+pub mod trained;
+pub mod failing;
 
 use serde::{Deserialize, Serialize};
 

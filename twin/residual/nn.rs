@@ -2,15 +2,15 @@
 //!
 //! In: slices and weights. Out: new slices. No state. This is the plain form: every block does what its formula says, in order.
 
-pub mod activation;
-pub mod attention;
+mod product;
+mod norm;
 mod elementwise;
 pub mod kernels;
-mod linear;
-pub(super) mod mixer;
-mod norm;
 pub(super) mod packed;
-mod product;
+mod linear;
+pub mod activation;
+pub mod attention;
+pub(super) mod mixer;
 
 pub use linear::Linear;
 pub use norm::LayerNorm;

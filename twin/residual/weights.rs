@@ -3,10 +3,10 @@
 //! In: the bytes of a safetensors file with f32 tensors whose metadata key `twin` holds the [`Head`] as JSON. Out: [`Weights`], of
 //! which every number is finite and the head consistent; or a [`WeightsError`] that says what is wrong. No state, no I/O.
 
-mod config;
 mod error;
 mod head;
 mod kind;
+mod config;
 pub(super) mod sizes;
 
 use std::collections::{BTreeMap, HashMap};

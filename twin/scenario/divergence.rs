@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
-use serde::Serialize;
 
+pub use super::divergence_report::{AXES, HORIZONS, Miss, Shot};
 use super::divergence_report::{Axis, Report, report};
 use crate::mirror::OpenedFlight;
 use crate::mirror::film::{Cursor, Film, Frame};
@@ -20,12 +20,6 @@ use crate::notation::{
     euler_rate_from_body_rate, position, world_from_body, wrap_angle,
 };
 use crate::plant::{FreeBody, Motion, Wrench, locked};
-
-/// Ticks after which twin and flight are compared: 0.1, 0.5, 1 s.
-pub const HORIZONS: [usize; 3] = [10, 50, 100];
-
-/// Rows that are compared: those of the base.
-pub const AXES: usize = 6;
 
 /// Ticks of the longest flight of the twin.
 const LAST: usize = HORIZONS[2];
@@ -113,28 +107,6 @@ impl Twin {
             }
         }
     }
-}
-
-/// One flight of the twin.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Shot {
-    /// When it starts, s of the recording.
-    pub t_s: f64,
-    /// The torque is known, so its attitude is its own.
-    pub free: bool,
-    /// Per horizon and axis.
-    pub after: [[Miss; AXES]; HORIZONS.len()],
-}
-
-/// How far from the flight, m or rad; `None` where it is not compared.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Miss {
-    /// The twin.
-    pub twin: Option<f64>,
-    /// The twin with the residual of before the start.
-    pub with_residual: Option<f64>,
-    /// What simply went on as it moved at the start.
-    pub coasting: Option<f64>,
 }
 
 /// Flies the twin from any tick of a flight.

@@ -3,8 +3,13 @@
 use serde::Serialize;
 use ts_rs::TS;
 
-use super::divergence::{AXES, HORIZONS, Miss, Shot};
 use crate::notation::{ROWS, TICK_S};
+
+/// Ticks after which twin and flight are compared: 0.1, 0.5, 1 s.
+pub const HORIZONS: [usize; 3] = [10, 50, 100];
+
+/// Rows that are compared: those of the base.
+pub const AXES: usize = 6;
 
 /// One number per axis of the base, m and rad.
 pub(super) type Axis = [f64; AXES];
@@ -14,6 +19,28 @@ const FLOOR: f64 = 0.02;
 
 /// A twin that says the motion at least so much better than coasting is good for something.
 const GOOD_SHARE: f64 = 0.5;
+
+/// One flight of the twin.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Shot {
+    /// When it starts, s of the recording.
+    pub t_s: f64,
+    /// The torque is known, so its attitude is its own.
+    pub free: bool,
+    /// Per horizon and axis.
+    pub after: [[Miss; AXES]; HORIZONS.len()],
+}
+
+/// How far from the flight, m or rad; `None` where it is not compared.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Miss {
+    /// The twin.
+    pub twin: Option<f64>,
+    /// The twin with the residual of before the start.
+    pub with_residual: Option<f64>,
+    /// What simply went on as it moved at the start.
+    pub coasting: Option<f64>,
+}
 
 /// Whether the twin says where the vehicle goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, TS)]

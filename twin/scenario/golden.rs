@@ -9,7 +9,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::checks::{Broken, signal};
+use super::checks::{Broken, CheckError, signal, signal_names};
 use crate::notation::TICK_S;
 use crate::tick::Tick;
 
@@ -28,6 +28,22 @@ pub struct GoldenSettings {
 
 fn tenth() -> f64 {
     0.1
+}
+
+/// Refuses tolerances that compare nothing.
+pub(super) fn validate(golden: &GoldenSettings) -> Result<(), CheckError> {
+    let unknown = golden.tolerance.keys().find(|name| !signal_names().any(|known| known == *name));
+    let reason = match unknown {
+        Some(name) => {
+            let allowed = signal_names().collect::<Vec<_>>().join(", ");
+            format!("found {name:?}, expected some of {allowed}")
+        }
+        None if golden.tolerance.is_empty() => {
+            "no signal is named, so nothing is compared".to_owned()
+        }
+        None => return Ok(()),
+    };
+    Err(CheckError { key: "golden.tolerance".to_owned(), reason })
 }
 
 /// The signals of a tick, in the order of the tolerances; NaN if unknown.

@@ -1,38 +1,41 @@
 //! One TOML file, one flight, one verdict.
 
-pub mod acceptance;
-mod assemble;
-pub mod cache;
 pub mod checks;
-pub mod collect;
-pub mod divergence;
-mod divergence_report;
-mod document;
-mod failures;
-pub mod file;
 pub mod golden;
-mod json_schema;
-mod limits;
 pub mod markup;
-mod merge;
-pub mod metrics;
-mod parallel;
 pub mod plot;
-pub mod run;
-pub mod scene;
-pub mod settings;
-pub mod shadow;
-mod shadow_score;
 pub mod sweep;
-pub mod table;
-mod trained;
+mod ending;
+pub mod settings;
+mod limits;
+mod document;
+mod merge;
+pub mod file;
+mod demands;
 pub mod verdict;
+pub mod metrics;
+mod failures;
+mod trained;
+mod assemble;
+pub mod scene;
+pub mod run;
+mod parallel;
+pub mod collect;
+pub mod cache;
+pub mod table;
+pub mod acceptance;
+mod shadow_score;
+pub mod shadow;
+mod divergence_report;
+pub mod divergence;
+mod json_schema;
 
 use std::path::{Path, PathBuf};
 
 pub use checks::Broken;
-pub use divergence::{Flyer, Miss, Shot, Twin};
-pub use divergence_report::{Light, Report as DivergenceReport};
+pub use divergence::{Flyer, Twin};
+pub use divergence_report::{Light, Miss, Report as DivergenceReport, Shot};
+pub use ending::Verdict;
 pub use file::ScenarioError;
 pub use json_schema::json_schema;
 pub use parallel::side_by_side;
@@ -40,7 +43,7 @@ pub use run::{Assessor, Report, fly};
 pub use scene::ActuatorLimits;
 pub use settings::Settings;
 pub use shadow::{Shadow, ShadowReport, shadow};
-pub use verdict::{Judge, Verdict};
+pub use verdict::Judge;
 
 pub use crate::control::Preset;
 use crate::flight::{Flight, Parts};
@@ -94,7 +97,7 @@ impl Scenario {
             key: "gains".into(),
             reason: error.to_string(),
         })?;
-        checks::validate(&scenario.settings).map_err(|error| ScenarioError::Value {
+        demands::validate(&scenario.settings).map_err(|error| ScenarioError::Value {
             place: file.display().to_string(),
             key: error.key,
             reason: error.reason,

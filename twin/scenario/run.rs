@@ -8,7 +8,7 @@ use super::checks::{Broken, Checks, range};
 use super::golden::GoldenCheck;
 use super::metrics::Metrics;
 use super::settings::{Settings, TaskKind};
-use super::{BuildError, Judge, Scenario, Verdict};
+use super::{BuildError, Judge, Scenario, Verdict, demands};
 use crate::residual::PredictorInfo;
 use crate::tick::{Event, Tick};
 
@@ -84,7 +84,7 @@ impl Assessor {
             scenario: scenario.name.clone(),
             judge: Judge::new(&settings),
             metrics: Metrics::default(),
-            checks: Checks::new(&settings),
+            checks: Checks::new(&settings.checks, &demands::events(&settings)),
             golden: settings
                 .golden
                 .as_ref()

@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::checks::{Check, EventCheck};
+use super::ending::Verdict;
 use super::golden::GoldenSettings;
 use super::sweep::Sweep;
-use super::verdict::Verdict;
 use crate::control::Preset;
 use crate::flight::Condition;
 use crate::plant::{

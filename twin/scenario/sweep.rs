@@ -8,7 +8,6 @@ use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 
 use super::checks::CheckError;
-use super::settings::Settings;
 
 /// Most samples of a sweep.
 const MOST_SAMPLES: usize = 100_000;
@@ -107,9 +106,9 @@ impl Sweep {
         }
     }
 
-    /// The samples. Values are rounded to six digits, those of `whole` keys to whole numbers, so that a sample can be flown
-    /// again from its text.
-    pub fn samples(&self, settings: &Settings) -> Vec<Values> {
+    /// The samples of these `settings`. Values are rounded to six digits, those of `whole` keys to whole numbers, so that a
+    /// sample can be flown again from its text.
+    pub fn samples(&self, settings: &impl Serialize) -> Vec<Values> {
         let tree = toml::Value::try_from(settings).ok();
         let whole: Vec<bool> = self
             .ranges
@@ -173,9 +172,8 @@ fn value_at<'a>(tree: Option<&'a toml::Value>, key: &str) -> Option<&'a toml::Va
     })
 }
 
-/// Whether the sweep can be flown and can fail.
-pub(super) fn validate(settings: &Settings) -> Result<(), CheckError> {
-    let Some(sweep) = &settings.sweep else { return Ok(()) };
+/// Whether the sweep of these `settings` can be flown and can fail.
+pub(super) fn validate(sweep: &Sweep, settings: &impl Serialize) -> Result<(), CheckError> {
     let refuse = |key: String, reason: &str| Err(CheckError { key, reason: reason.to_owned() });
     if !(sweep.min_success > 0.0 && sweep.min_success <= 1.0) {
         return refuse(
@@ -219,6 +217,7 @@ pub(super) fn validate(settings: &Settings) -> Result<(), CheckError> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::settings::Settings;
     use super::*;
 
     fn range(key: &str, from: f64, to: f64, steps: usize) -> Range {
@@ -276,7 +275,7 @@ mod tests {
         let refused = |change: &dyn Fn(&mut Sweep)| {
             let mut sweep = sweep(Method::LatinHypercube, Some(5));
             change(&mut sweep);
-            validate(&Settings { sweep: Some(sweep), ..settings() }).unwrap_err().key
+            validate(&sweep, &settings()).unwrap_err().key
         };
         assert_eq!(refused(&|sweep| sweep.min_success = 0.0), "sweep.min_success");
         assert_eq!(refused(&|sweep| sweep.samples = None), "sweep.samples");

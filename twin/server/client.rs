@@ -7,9 +7,10 @@ use std::sync::mpsc::TrySendError;
 use std::time::Duration;
 
 use axum::body::Bytes;
-use axum::extract::ws::{CloseFrame, Message as Frame, WebSocket};
+use axum::extract::ws::{CloseFrame, Message as Frame, WebSocket, WebSocketUpgrade};
 use axum::http::HeaderMap;
 use axum::http::header::ORIGIN;
+use axum::response::Response;
 use futures_util::stream::{SplitSink, SplitStream};
 use futures_util::{SinkExt, StreamExt};
 use tokio::sync::Notify;
@@ -24,6 +25,9 @@ use crate::server::rate::{Admission, Bucket, MESSAGES_PER_S};
 
 /// Longest message a client may send, bytes.
 pub(super) const LONGEST_MESSAGE: usize = 64 * 1024;
+
+/// Room that each connection has for what comes in, bytes: clients say little at a time.
+const READ_BUFFER: usize = 8 * 1024;
 
 /// Most rows in a frame: a connection keeps the room that its largest frame took.
 const PART_ROWS: usize = 128;
@@ -107,6 +111,21 @@ const SHOWN_CHARACTERS: usize = 300;
 struct Acknowledged {
     awaited: AtomicBool,
     arrived: Notify,
+}
+
+/// The socket of a client that speaks `dialect`.
+pub(super) fn connect(
+    upgrade: WebSocketUpgrade,
+    headers: &HeaderMap,
+    app: Arc<App>,
+    dialect: impl Dialect,
+) -> Response {
+    let taker = Taker::of(headers);
+    upgrade
+        .read_buffer_size(READ_BUFFER)
+        .max_message_size(LONGEST_MESSAGE)
+        .max_frame_size(LONGEST_MESSAGE)
+        .on_upgrade(move |socket| serve(socket, app, dialect, taker))
 }
 
 /// Serves one connection until it ends.

@@ -22,7 +22,7 @@ use serde::Deserialize;
 use serde_json::json;
 
 use crate::mirror::program;
-use crate::server::client::{self, Console, Dialect, LONGEST_MESSAGE, Taker};
+use crate::server::client::{Console, connect};
 use crate::server::command::{Command, Request as Ask};
 use crate::server::gains::{self, Change};
 use crate::server::mirrored;
@@ -31,9 +31,6 @@ use crate::server::protocol::ClientMessage;
 use crate::server::viewers::meshcat::MeshCat;
 use crate::server::viewers::pages;
 use crate::server::{App, assets, metrics, override_file};
-
-/// Room that each connection has for what comes in, bytes: clients say little at a time.
-const READ_BUFFER: usize = 8 * 1024;
 
 /// The page may load and talk to nothing but this server; style attributes are set by the sliders.
 const POLICY: &str = "default-src 'none'; script-src 'self'; worker-src 'self' blob:; style-src 'self' 'unsafe-inline'; \
@@ -101,21 +98,6 @@ async fn upgrade(
     headers: HeaderMap,
 ) -> Response {
     connect(upgrade, &headers, app, Console)
-}
-
-/// The socket of a client that speaks `dialect`.
-pub(super) fn connect(
-    upgrade: WebSocketUpgrade,
-    headers: &HeaderMap,
-    app: Arc<App>,
-    dialect: impl Dialect,
-) -> Response {
-    let taker = Taker::of(headers);
-    upgrade
-        .read_buffer_size(READ_BUFFER)
-        .max_message_size(LONGEST_MESSAGE)
-        .max_frame_size(LONGEST_MESSAGE)
-        .on_upgrade(move |socket| client::serve(socket, app, dialect, taker))
 }
 
 async fn index(

@@ -1,31 +1,9 @@
 //! `/metrics` in the text format of Prometheus: how the flight keeps its time, and who watches.
 
 use std::fmt::Write as _;
-use std::time::Duration;
 
-use crate::server::hub::Published;
-
-/// Upper edges of the classes of lateness, ms.
-const EDGES_MS: [f64; 9] = [0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 25.0, 100.0];
-
-/// How late ticks began after their deadline.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Lateness {
-    counts: [u64; EDGES_MS.len() + 1],
-    sum_s: f64,
-    max_s: f64,
-}
-
-impl Lateness {
-    /// A tick began this long after its deadline.
-    pub(super) fn count(&mut self, late: Duration) {
-        let late_s = late.as_secs_f64();
-        let class = EDGES_MS.iter().position(|edge| late_s * 1e3 <= *edge);
-        self.counts[class.unwrap_or(EDGES_MS.len())] += 1;
-        self.sum_s += late_s;
-        self.max_s = self.max_s.max(late_s);
-    }
-}
+use crate::server::pace::{EDGES_MS, Lateness};
+use crate::server::published::Published;
 
 /// The page.
 pub(super) fn text(published: &Published, uptime_s: f64) -> String {
@@ -73,6 +51,8 @@ fn histogram(text: &mut String, lateness: &Lateness) {
 
 #[cfg(test)]
 mod tests {
+    use std::time::Duration;
+
     use super::*;
 
     #[test]

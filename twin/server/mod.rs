@@ -4,35 +4,37 @@
 //! viewers, see [`viewers`]), `/api/health`, `/api/state`, `/api/gains`; on a port of its own a server for Foxglove. The flight thread
 //! ([`pilot`]) never waits for a socket; each client has its own bounded [`outbox`].
 
-mod assets;
-pub mod channels;
-mod client;
+mod twin_info;
+pub mod protocol;
+mod ledger;
+mod gains;
 mod command;
+pub mod channels;
+pub mod telemetry;
+mod pace;
+mod published;
+mod outbox;
+mod hub;
+mod world;
+mod logbook;
+mod place;
+mod mirrored;
+mod sortie;
+mod pilot;
+mod rate;
+mod client;
+pub mod viewers;
+mod assets;
+mod metrics;
+mod origin;
+mod override_file;
+mod http;
 #[cfg_attr(not(feature = "foxglove-ws"), path = "no_foxglove.rs")]
 mod foxglove;
-mod gains;
-mod http;
-mod hub;
-mod ledger;
-mod logbook;
-mod metrics;
-mod mirrored;
-mod origin;
-mod outbox;
-mod override_file;
-mod pace;
-mod pilot;
-mod place;
-pub mod protocol;
-mod rate;
 mod running;
-mod sortie;
-pub mod telemetry;
-mod twin_info;
+
 #[cfg(test)]
 mod typescript;
-pub mod viewers;
-mod world;
 
 pub use mirrored::{MirrorOptions, serve_mirror, spawn_mirror};
 pub use running::Running;

@@ -6,8 +6,8 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use crate::server::hub::Published;
 use crate::server::protocol::ServerMessage;
+use crate::server::published::Published;
 use crate::server::telemetry::{Picture, Telemetry};
 
 /// Rows that wait at most: 5 s of flight.

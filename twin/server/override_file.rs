@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use crate::notation::ROWS;
-use crate::server::hub::Published;
 use crate::server::protocol::GainInfo;
+use crate::server::published::Published;
 
 /// Values in force that differ from the preset chosen last, as TOML with a comment that says where they come from.
 pub(super) fn text(published: &Published) -> String {

@@ -62,6 +62,28 @@ impl Pace {
     }
 }
 
+/// Upper edges of the classes of lateness, ms.
+pub(super) const EDGES_MS: [f64; 9] = [0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 25.0, 100.0];
+
+/// How late ticks began after their deadline.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Lateness {
+    pub(super) counts: [u64; EDGES_MS.len() + 1],
+    pub(super) sum_s: f64,
+    pub(super) max_s: f64,
+}
+
+impl Lateness {
+    /// A tick began this long after its deadline.
+    pub(super) fn count(&mut self, late: Duration) {
+        let late_s = late.as_secs_f64();
+        let class = EDGES_MS.iter().position(|edge| late_s * 1e3 <= *edge);
+        self.counts[class.unwrap_or(EDGES_MS.len())] += 1;
+        self.sum_s += late_s;
+        self.max_s = self.max_s.max(late_s);
+    }
+}
+
 /// Simulated against wall-clock time, and where the wall-clock time went, since the last look.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Meter {

@@ -5,20 +5,24 @@
 //! makes. Also the comparison of two recordings.
 
 mod case;
-pub mod diff;
-pub mod junit;
-mod merge;
+mod result;
+pub mod share;
+mod sweep;
+mod plan;
 mod message;
-pub mod page;
-mod picture;
 mod record;
 mod report;
 mod run;
-pub mod share;
-mod sweep;
+mod merge;
+pub mod junit;
+mod picture;
+pub mod page;
+pub mod diff;
 
-pub use case::{Case, Plan, Sample, Selection, SelectionError, Shard, plan};
+pub use case::{Case, Sample, Shard};
 pub use merge::{MergeError, merge};
+pub use plan::{Plan, Selection, SelectionError, plan};
 pub use report::{Successes, SuiteReport};
-pub use run::{CaseResult, Evidence, MakePage, Options, Outcome, run};
+pub use result::{CaseResult, Outcome};
+pub use run::{Evidence, MakePage, Options, run};
 pub use sweep::{SweepPlan, SweepReport};

@@ -7,10 +7,11 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::case::{Plan, Shard};
+use super::case::Shard;
+use super::plan::Plan;
+use super::result::{CaseResult, Outcome};
 use super::share::wilson_95;
 use super::sweep::{SweepPlan, SweepReport};
-use super::{CaseResult, Outcome};
 use crate::mirror::program;
 
 /// A run, or the part of one that a shard flew.

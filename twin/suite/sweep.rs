@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::case::{Case, Sample};
+use super::result::{CaseResult, Outcome};
 use super::share::wilson_95;
-use super::{CaseResult, Outcome};
 use crate::scenario::Scenario;
 
 /// What a sweep demands; the same in every shard.

@@ -3,13 +3,13 @@
 //! In: measurement and measured residual. Out: [`Step`] with the [`Reference`] of this tick. Tasks see measured signals only,
 //! never the truth.
 
-pub mod excitation;
-pub mod follow;
-pub mod hover;
+pub mod quintic;
 pub mod motion;
 pub mod path;
+pub mod hover;
+pub mod follow;
 pub mod pick_place;
-pub mod quintic;
+pub mod excitation;
 
 use nalgebra::{Isometry3, Vector2, Vector3};
 

@@ -1,11 +1,11 @@
 //! `twin evaluate`.
 
-mod ablation;
-mod l1;
 mod output;
-mod pickup;
 mod prediction;
 mod tracking;
+mod ablation;
+mod pickup;
+mod l1;
 
 use clap::{Args, Subcommand};
 

@@ -1,10 +1,10 @@
 //! The learned baselines of the paper's tables as they are trained, one file each; what flies is `residual::learned`.
 
-mod gpt2;
-mod lstm;
 mod mlp;
-mod neural_fly;
+mod lstm;
+mod gpt2;
 mod transformer;
+mod neural_fly;
 
 use burn_tensor::Tensor;
 

@@ -6,6 +6,7 @@ use super::super::clock::{Timebase, common_ns};
 use super::super::effort::Settled;
 use super::super::film::Footage;
 use super::super::gather::Track;
+use super::super::opened::OpenedFlight;
 use super::super::recorded::{Reading, RecordedFlight, on_times};
 use super::super::signals::{Signals, bases_as, signals_as};
 use super::super::topics::Map;
@@ -24,23 +25,27 @@ const BLOCK_TICKS: usize = 50;
 
 /// A flight that goes on, as it was judged once.
 #[derive(Debug)]
-pub(super) struct LiveFootage {
+struct LiveFootage {
     shared: Arc<Shared>,
     chosen: Signals,
     settled: Settled,
-    map: Arc<Map>,
+    map: Map,
 }
 
-impl LiveFootage {
-    /// Of what is `shared`, by what was `chosen` and `settled`.
-    pub(super) fn new(
-        shared: Arc<Shared>,
-        chosen: Signals,
-        settled: Settled,
-        map: Arc<Map>,
-    ) -> Self {
-        Self { shared, chosen, settled, map }
-    }
+/// What is `shared`, judged by its last minute and read on as it goes on.
+pub(super) fn opened(shared: &Arc<Shared>) -> Option<OpenedFlight> {
+    let opened = shared.judged()?;
+    let footage = LiveFootage {
+        shared: Arc::clone(shared),
+        chosen: opened.signals.clone(),
+        settled: Settled {
+            effort: opened.recorded.effort.clone(),
+            mass_kg: opened.recorded.mass_kg,
+            threshold: opened.recorded.airborne_above,
+        },
+        map: opened.map.clone(),
+    };
+    Some(OpenedFlight { long: Some(Arc::new(footage)), ..opened })
 }
 
 impl Footage for LiveFootage {

@@ -4,11 +4,11 @@
 //! In: records from a thread. Out: [`OpenedFlight`]s, anew whenever more is known (the thrust's gain, once it flies) or the
 //! stream begins anew. While nothing comes, time goes on and nothing is known.
 
-mod footage;
 mod pulse;
 mod shared;
 mod socket;
 mod tail;
+mod footage;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -62,7 +62,7 @@ impl Live {
 
     /// What is heard so far as a flight; `None` while there is no pose in it.
     pub fn opened(&self) -> Option<OpenedFlight> {
-        self.shared.opened()
+        footage::opened(&self.shared)
     }
 
     /// Waits for a flight for at most `patience`.

@@ -9,16 +9,15 @@ use std::time::{Duration, Instant};
 use mcap::records::{Channel, Record};
 
 use super::super::container::Findings;
-use super::super::effort::{Effort, Settled};
+use super::super::effort::Effort;
 use super::super::gather::{Collector, Gathered, Track};
-use super::super::index::Definitions;
 use super::super::opened::{OpenedFlight, choose_map};
 use super::super::recorded::on_ticks;
 use super::super::signals::signals;
 use super::super::survey::Survey;
+use super::super::table::Definitions;
 use super::super::topics::Map;
 use super::LOOK;
-use super::footage::LiveFootage;
 use super::pulse::Pulse;
 
 /// What is kept, s.
@@ -260,7 +259,8 @@ impl Shared {
         }
     }
 
-    pub(super) fn opened(self: &Arc<Self>) -> Option<OpenedFlight> {
+    /// The last minute as a flight that ends there.
+    pub(super) fn judged(&self) -> Option<OpenedFlight> {
         let (gathered, map, map_name, mut survey) = {
             let state = self.state();
             let (map, name) = state.map.clone()?;
@@ -279,14 +279,7 @@ impl Shared {
         state.effort_known = !matches!(recorded.effort, Effort::Unknown { .. });
         state.judged_s = self.now_s();
         signals.start_ns = *state.start_ns.get_or_insert(signals.start_ns);
-        let settled = Settled {
-            effort: recorded.effort.clone(),
-            mass_kg: recorded.mass_kg,
-            threshold: recorded.airborne_above,
-        };
         drop(state);
-        let footage =
-            LiveFootage::new(Arc::clone(self), signals.clone(), settled, Arc::clone(&map));
         Some(OpenedFlight {
             path: PathBuf::from(&self.name),
             survey,
@@ -294,7 +287,7 @@ impl Shared {
             map_name,
             signals,
             recorded,
-            long: Some(Arc::new(footage)),
+            long: None,
         })
     }
 }

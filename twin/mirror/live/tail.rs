@@ -6,7 +6,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use super::super::container::{CHUNK, DATA_END, FOOTER, HEAD_BYTES, LONGEST_RECORD_BYTES, unpack};
-use super::super::index::{Input, read_at};
+use super::super::table::{Input, read_at};
 use super::Shared;
 
 /// A file that did not grow is looked at again after so long.

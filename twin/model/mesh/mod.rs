@@ -1,8 +1,8 @@
 //! Triangle meshes from STL, OBJ and COLLADA files. Own readers: the published ones panic on broken files.
 
-mod collada;
-mod obj;
 mod stl;
+mod obj;
+mod collada;
 
 use std::path::Path;
 

@@ -39,7 +39,7 @@ pub enum Must {
     NotHappen,
 }
 
-pub(super) fn validate(checks: &[EventCheck]) -> Result<(), CheckError> {
+pub(in crate::scenario) fn validate(checks: &[EventCheck]) -> Result<(), CheckError> {
     for (index, check) in checks.iter().enumerate() {
         let refuse = |key: &str, reason: &str| {
             Err(CheckError {
@@ -82,7 +82,7 @@ impl Events {
 
 impl EventCheck {
     /// That an event of this kind happens.
-    pub(super) fn of(kind: EventKind) -> Self {
+    pub(in crate::scenario) fn of(kind: EventKind) -> Self {
         Self {
             kind,
             text: None,

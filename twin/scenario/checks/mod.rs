@@ -3,21 +3,20 @@
 //! In: the `[[checks]]` and `[[expect.events]]` of a scenario, then every [`Tick`]. Out: what does not hold, each with the
 //! second from which it could no longer hold. State: the samples of each window and the events so far.
 
-mod events;
 mod signals;
 mod statistic;
+mod events;
 
 use std::fmt::Write;
 
 use serde::{Deserialize, Serialize};
 
 pub use events::EventCheck;
+pub(super) use events::validate as validate_events;
 pub use signals::names as signal_names;
 pub use statistic::Statistic;
 
-use super::settings::Settings;
-use crate::source::Failure;
-use crate::tick::{EventKind, Tick};
+use crate::tick::Tick;
 use events::Events;
 
 /// Limits of a statistic of one signal over the ticks of a window.
@@ -81,8 +80,8 @@ pub struct CheckError {
 ///
 /// # Errors
 /// [`CheckError`] for an unknown signal, a quantile that is missing or unused, no limit, limits or a window the wrong way round.
-pub fn validate(settings: &Settings) -> Result<(), CheckError> {
-    for (index, check) in settings.checks.iter().enumerate() {
+pub(super) fn validate(checks: &[Check]) -> Result<(), CheckError> {
+    for (index, check) in checks.iter().enumerate() {
         let refuse = |key: &str, reason: String| {
             Err(CheckError { key: format!("checks.{index}.{key}"), reason })
         };
@@ -110,24 +109,7 @@ pub fn validate(settings: &Settings) -> Result<(), CheckError> {
             return refuse("to_s", "the window ends before it begins".into());
         }
     }
-    super::sweep::validate(settings)?;
-    golden(settings)?;
-    for (index, fault) in settings.faults.iter().enumerate() {
-        let Some(when) = &fault.when else { continue };
-        let refuse = |key: &str, reason: &str| {
-            Err(CheckError { key: format!("faults.{index}.{key}"), reason: reason.to_owned() })
-        };
-        if when.phase.is_none() && when.event.is_none() {
-            return refuse("when", "expected a phase or an event to wait for");
-        }
-        if when.text.is_some() && when.event.is_none() {
-            return refuse("when.text", "found without `event`; name the kind of event too");
-        }
-        if fault.failure == Failure::PredictorNan {
-            return refuse("when", "predictor_nan begins at a time only; give at_s without `when`");
-        }
-    }
-    events::validate(&settings.expect.events)
+    Ok(())
 }
 
 /// Watches the checks of one flight.
@@ -145,15 +127,15 @@ struct Window {
 }
 
 impl Checks {
-    /// The checks of `settings`; those [`validate`] refuses are left out.
-    pub fn new(settings: &Settings) -> Self {
+    /// These checks and events; a check of no known signal is left out.
+    pub fn new(checks: &[Check], events: &[EventCheck]) -> Self {
         let window = |check: &Check| {
             let read = signals::find(&check.signal)?;
             Some(Window { check: check.clone(), read, samples: Vec::new() })
         };
         Self {
-            windows: settings.checks.iter().filter_map(window).collect(),
-            events: Events::new(&demanded(settings)),
+            windows: checks.iter().filter_map(window).collect(),
+            events: Events::new(events),
             last_s: 0.0,
         }
     }
@@ -187,31 +169,6 @@ impl Checks {
 /// The value of a signal at a tick; nothing if it has none, or if no signal is called so.
 pub(super) fn signal(name: &str, tick: &Tick) -> Option<f64> {
     signals::find(name).and_then(|read| read(tick))
-}
-
-fn golden(settings: &Settings) -> Result<(), CheckError> {
-    let Some(golden) = &settings.golden else { return Ok(()) };
-    let unknown = golden.tolerance.keys().find(|name| signals::find(name).is_none());
-    let reason = match unknown {
-        Some(name) => {
-            let allowed = signal_names().collect::<Vec<_>>().join(", ");
-            format!("found {name:?}, expected some of {allowed}")
-        }
-        None if golden.tolerance.is_empty() => {
-            "no signal is named, so nothing is compared".to_owned()
-        }
-        None => return Ok(()),
-    };
-    Err(CheckError { key: "golden.tolerance".to_owned(), reason })
-}
-
-/// The events that the scenario demands, and that each of its faults came to pass: one that never began proves nothing.
-fn demanded(settings: &Settings) -> Vec<EventCheck> {
-    let begins = settings.faults.iter().map(|fault| {
-        let text = Some(format!("failure: {}", fault.failure.words()));
-        EventCheck { text, ..EventCheck::of(EventKind::Disturbance) }
-    });
-    settings.expect.events.iter().cloned().chain(begins).collect()
 }
 
 impl Window {

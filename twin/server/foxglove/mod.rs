@@ -7,9 +7,9 @@
 //! reads from its own bounded outbox, and each Foxglove client has a bounded backlog that drops its oldest messages.
 
 mod assets;
+mod topics;
 mod parameters;
 mod playback;
-mod topics;
 
 use std::net::{IpAddr, SocketAddr};
 use std::sync::Arc;

@@ -11,8 +11,8 @@ use crate::mirror::scene::Scene;
 use crate::mirror::views::{self, Joint};
 use crate::notation::TICK_S;
 use crate::scenario::VehicleFiles;
-use crate::server::hub::Published;
 use crate::server::protocol::{ChannelInfo, EventInfo};
+use crate::server::published::Published;
 use crate::server::telemetry::{Picture, Telemetry};
 use crate::tick::{Contact, Pose};
 

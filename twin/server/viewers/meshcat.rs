@@ -7,9 +7,10 @@ use rmpv::Value;
 
 use crate::server::App;
 use crate::server::client::{Dialect, shown};
-use crate::server::hub::{Client, Published};
+use crate::server::hub::Client;
 use crate::server::outbox::{Message, Parcel};
 use crate::server::protocol::{ClientMessage, ServerMessage};
+use crate::server::published::Published;
 use crate::server::telemetry::Picture;
 use crate::server::viewers::controls::Button;
 use crate::server::viewers::drawing::{Drawing, ROOT};

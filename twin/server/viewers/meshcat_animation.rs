@@ -2,7 +2,7 @@
 
 use rmpv::Value;
 
-use crate::server::viewers::export::{Flown, PICTURES_HZ};
+use crate::server::viewers::flown::{Flown, PICTURES_HZ};
 use crate::server::viewers::meshcat::{CAMERA, CAMERA_Y_UP};
 use crate::server::viewers::meshcat_command::set_property;
 use crate::server::viewers::meshcat_object::{set_line_segments, set_object, set_transform};

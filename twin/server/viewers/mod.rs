@@ -5,30 +5,32 @@
 //! are no part of this program: `twin viewers fetch` downloads the builds pinned here. [`export`] writes a recorded flight
 //! in the same formats.
 
-mod chart;
-mod controls;
 mod drawing;
-pub mod export;
-#[cfg(test)]
-pub(super) mod fixture;
+mod trail;
 mod forces;
+mod waymarks;
 mod layers;
-pub(super) mod meshcat;
-mod meshcat_animation;
+mod controls;
+mod chart;
+mod pack;
+mod watched;
 mod meshcat_command;
 mod meshcat_object;
-mod pack;
-pub(super) mod pages;
-mod trail;
-pub(super) mod viser;
+pub(super) mod meshcat;
 mod viser_frame;
-mod viser_label;
 mod viser_move;
 mod viser_panel;
-mod viser_recording;
+mod viser_label;
 mod viser_scene;
-mod watched;
-mod waymarks;
+pub(super) mod viser;
+pub(super) mod pages;
+mod flown;
+mod meshcat_animation;
+mod viser_recording;
+pub mod export;
+
+#[cfg(test)]
+pub(super) mod fixture;
 
 /// A pinned wheel of the Python package index, of which a few files are served.
 #[derive(Clone, Copy, Debug)]

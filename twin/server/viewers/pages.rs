@@ -15,7 +15,7 @@ use axum::response::{IntoResponse, Redirect, Response};
 use axum::routing::get;
 
 use crate::server::App;
-use crate::server::http::connect;
+use crate::server::client::connect;
 use crate::server::viewers::meshcat::MeshCat;
 use crate::server::viewers::viser::Viser;
 use crate::server::viewers::{DRAKE, MESHCAT, VISER, Wheel};

@@ -5,7 +5,7 @@ use rmpv::Value;
 use crate::server::viewers::drawing::{Drawing, GHOST, ROOT};
 use crate::server::viewers::pack::map;
 use crate::server::viewers::viser_frame::Batch;
-use crate::server::viewers::viser_scene::position;
+use crate::server::viewers::viser_move::position;
 
 /// How far a word stands off the origin of what it names, m: vehicle and reference coincide in good flight, so one is named
 /// above and the other below.

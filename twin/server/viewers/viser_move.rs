@@ -2,7 +2,7 @@
 
 use rmpv::Value;
 
-use crate::server::viewers::pack::{encode, map, overwrite_f32};
+use crate::server::viewers::pack::{encode, map, numbers, overwrite_f32};
 use crate::server::viewers::viser_frame::Batch;
 
 /// Moves one node.
@@ -31,4 +31,9 @@ impl Mover {
         batch.push_encoded(&self.position, |bytes| overwrite_f32(bytes, position));
         batch.push_encoded(&self.orientation, |bytes| overwrite_f32(bytes, turn));
     }
+}
+
+/// Moves a node within its parent, m.
+pub(super) fn position(name: &str, xyz: [f64; 3]) -> Value {
+    map! { "type" => "SetPositionMessage", "name" => name, "position" => numbers(xyz), "owner" => "" }
 }

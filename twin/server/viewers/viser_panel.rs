@@ -3,8 +3,8 @@
 use rmpv::Value;
 
 use crate::elementary::powi;
-use crate::server::hub::Published;
 use crate::server::protocol::{FlightPhase, GainInfo, StateInfo};
+use crate::server::published::Published;
 use crate::server::viewers::chart;
 use crate::server::viewers::controls::Button;
 use crate::server::viewers::layers::LAYERS;

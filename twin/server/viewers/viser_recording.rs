@@ -2,7 +2,7 @@
 
 use crate::server::viewers::VISER;
 use crate::server::viewers::drawing::Told;
-use crate::server::viewers::export::Flown;
+use crate::server::viewers::flown::Flown;
 use crate::server::viewers::pack::{map, numbers};
 use crate::server::viewers::viser::{CAMERA_M, LOOK_AT_M};
 use crate::server::viewers::viser_frame::Batch;

@@ -9,7 +9,7 @@ use crate::server::viewers::pack::{f32_bytes, map, numbers, u32_bytes};
 use crate::server::viewers::trail::{LINES, TRAILS};
 use crate::server::viewers::viser_frame::Batch;
 use crate::server::viewers::viser_label as label;
-use crate::server::viewers::viser_move::Mover;
+use crate::server::viewers::viser_move::{Mover, position};
 
 /// Turns three.js' y-up world so that our z points up.
 const WORLD_WXYZ: [f64; 4] = [0.5, -0.5, 0.5, 0.5];
@@ -145,11 +145,6 @@ fn add_line(path: &str, rgb: [u8; 3], batch: &mut Batch) {
         "thickness_units" => "screen",
     };
     batch.push(&node("LineSegmentsMessage", path, props));
-}
-
-/// Moves a node within its parent, m.
-pub(super) fn position(name: &str, xyz: [f64; 3]) -> Value {
-    map! { "type" => "SetPositionMessage", "name" => name, "position" => numbers(xyz), "owner" => "" }
 }
 
 fn orientation(name: &str, wxyz: [f64; 4]) -> Value {

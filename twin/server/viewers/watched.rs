@@ -3,7 +3,8 @@
 use rmpv::Value;
 
 use crate::server::client::shown;
-use crate::server::hub::{Client, Published};
+use crate::server::hub::Client;
+use crate::server::published::Published;
 use crate::server::telemetry::{Picture, Telemetry};
 use crate::server::viewers::controls::Sliders;
 use crate::server::viewers::drawing::{Drawing, Told};

@@ -5,9 +5,9 @@
 //! what makes the grasp reliable. Phases advance on conditions; every phase has a time-out that goes back or gives up.
 
 mod phase;
-mod pick;
-mod place;
 mod signals;
+mod place;
+mod pick;
 
 use std::sync::Arc;
 
