@@ -1,111 +1,59 @@
-//! Who may use whom, read from the `use` lines and paths of the source; and that its rooms stay small.
+//! Who may use whom: the crates by their `Cargo.toml`, the modules of `core` by their `use` lines; and that rooms stay small.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// For each module what it may use of this crate besides itself.
-const MAY_USE: &[(&str, &[&str])] = &[
+/// For each crate below `twin/`, from the lowest to the highest, the crates of this workspace that it may use.
+const CRATES: &[(&str, &[&str])] = &[
+    ("core", &[]),
+    ("plant", &["core"]),
+    ("record", &["core", "plant"]),
+    ("foreign", &["core", "plant", "record"]),
+    ("scenario", &["core", "plant", "record"]),
+    ("console", &["core", "foreign", "plant", "record", "scenario"]),
+    ("lab", &["core", "foreign", "record", "scenario"]),
+];
+
+/// For each module of `core` the other modules of `core` that it may use.
+const MODULES_OF_CORE: &[(&str, &[&str])] = &[
     ("elementary", &[]),
     ("normal", &["elementary"]),
     ("notation", &["elementary"]),
     ("tick", &["notation"]),
-    ("filter", &["elementary"]),
     ("source", &["notation", "tick"]),
-    ("model", &["elementary", "notation", "task"]),
-    ("plant", &["elementary", "filter", "model", "normal", "notation", "source", "tick"]),
-    ("residual", &["elementary", "filter", "normal", "notation", "tick"]),
-    ("control", &["elementary", "filter", "notation", "source", "tick"]),
-    ("task", &["elementary", "filter", "notation", "tick"]),
+    ("filter", &["elementary"]),
     // The registry of the values in force names what they belong to.
     ("tuning", &["control", "notation", "residual"]),
+    ("control", &["elementary", "filter", "notation", "source", "tick"]),
+    ("residual", &["elementary", "filter", "normal", "notation", "tick"]),
+    ("task", &["elementary", "filter", "notation", "tick"]),
     ("flight", &["control", "notation", "residual", "source", "task", "tick", "tuning"]),
-    ("mirror", &["elementary", "filter", "model", "notation", "source", "tick"]),
-    (
-        "scenario",
-        &[
-            "control",
-            "elementary",
-            "filter",
-            "flight",
-            "mirror",
-            "model",
-            "notation",
-            "plant",
-            "residual",
-            "source",
-            "task",
-            "tick",
-            "tuning",
-        ],
-    ),
-    (
-        "server",
-        // Beyond the flight it shows, the server names what an operator may choose.
-        &[
-            "control",
-            "elementary",
-            "flight",
-            "mirror",
-            "model",
-            "notation",
-            "residual",
-            "scenario",
-            "source",
-            "tick",
-            "tuning",
-        ],
-    ),
-    (
-        "replay",
-        // A page is what a console would be sent.
-        &["mirror", "notation", "residual", "scenario", "server", "tick", "tuning"],
-    ),
-    ("suite", &["elementary", "mirror", "scenario", "tick", "tuning"]),
-    (
-        "evaluate",
-        &["elementary", "flight", "mirror", "notation", "residual", "scenario", "tick", "tuning"],
-    ),
-    ("learn", &["elementary", "mirror", "normal", "notation", "residual", "scenario", "tick"]),
-    (
-        "cli",
-        &[
-            "evaluate", "learn", "mirror", "model", "notation", "plant", "replay", "residual",
-            "scenario", "server", "suite", "tick",
-        ],
-    ),
-    ("main", &["cli"]),
-    ("lib", &[]),
-    ("build", &[]),
+    ("fixture", &["elementary", "notation", "tick"]),
 ];
 
-/// Crates that only these modules may name.
+/// Packages of others that only these crates may depend on; `root` is the program with its tests.
 const ONLY_IN: &[(&str, &[&str])] = &[
-    ("rapier3d_f64", &["plant"]),
-    ("parry3d_f64", &["plant"]),
-    ("glam", &["plant"]),
-    ("urdf_rs", &["model"]),
-    ("roxmltree", &["model"]),
-    ("burn", &["learn"]),
-    ("burn_tensor", &["learn"]),
-    ("safetensors", &["learn", "residual"]),
-    ("libm", &["elementary"]),
-    ("mcap", &["mirror"]),
-    ("quick_junit", &["suite"]),
-    ("plotters", &["evaluate", "learn", "scenario", "suite"]),
-    ("glob", &["suite"]),
-    ("flate2", &["replay"]),
-    ("base64", &["mirror", "replay"]),
-    ("tungstenite", &["mirror"]),
-    ("foxglove", &["mirror", "server"]),
-    ("axum", &["server"]),
-    ("tokio", &["server"]),
-    ("clap", &["cli"]),
-    ("indicatif", &["cli"]),
+    ("rapier3d-f64", &["plant"]),
+    ("urdf-rs", &["plant"]),
+    ("roxmltree", &["plant"]),
+    ("libm", &["core"]),
+    ("burn-tensor", &["lab"]),
+    ("safetensors", &["core", "lab"]),
+    ("mcap", &["record", "foreign"]),
+    ("foxglove", &["record", "foreign", "console"]),
+    ("tungstenite", &["foreign"]),
+    ("quick-junit", &["scenario"]),
+    ("glob", &["scenario"]),
+    ("plotters", &["scenario", "lab"]),
+    ("flate2", &["console"]),
+    ("axum", &["console"]),
+    ("tokio", &["console"]),
+    ("clap", &["root"]),
+    ("indicatif", &["root"]),
+    ("anyhow", &["root"]),
 ];
 
-/// What the core of the loop must not touch: files, clocks, threads, unseeded randomness.
-const PURE: &[&str] =
-    &["flight", "control", "residual", "task", "filter", "notation", "tick", "source", "tuning"];
+/// What the crate `core` must not touch: files, clocks, threads, unseeded randomness.
 const IMPURE: &[&str] = &[
     "std::fs",
     "std::net",
@@ -153,40 +101,26 @@ fn files(folder: &str, endings: &[&str]) -> Vec<(PathBuf, String)> {
     found
 }
 
-/// The top-level module that a file of `twin/` belongs to.
-fn module(path: &Path) -> String {
-    let first = path
-        .components()
-        .nth(1)
-        .expect("it lies in twin/")
-        .as_os_str()
-        .to_string_lossy()
-        .into_owned();
-    first.trim_end_matches(".rs").to_owned()
-}
-
 /// The text without comments and test modules: what the crate is made of.
 fn code(text: &str) -> String {
     let body = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or("");
     body.lines().map(|line| line.split("//").next().unwrap_or("")).collect::<Vec<_>>().join("\n")
 }
 
-/// Modules of this crate named after `crate::` or `twin::`, alone or in braces.
+/// Modules named after `crate::`, alone or in braces.
 fn uses(code: &str) -> BTreeSet<String> {
     let mut found = BTreeSet::new();
-    for root in ["crate::", "twin::"] {
-        for (at, _) in code.match_indices(root) {
-            let before = code[..at].chars().next_back();
-            if before.is_some_and(|c| c.is_alphanumeric() || c == '_' || c == ':') {
-                continue;
-            }
-            let rest = &code[at + root.len()..];
-            let names = match rest.strip_prefix('{') {
-                Some(group) => top_level(group),
-                None => vec![rest],
-            };
-            found.extend(names.into_iter().map(first_word).filter(|name| !name.is_empty()));
+    for (at, root) in code.match_indices("crate::") {
+        let before = code[..at].chars().next_back();
+        if before.is_some_and(|c| c.is_alphanumeric() || c == '_' || c == ':') {
+            continue;
         }
+        let rest = &code[at + root.len()..];
+        let names = match rest.strip_prefix('{') {
+            Some(group) => top_level(group),
+            None => vec![rest],
+        };
+        found.extend(names.into_iter().map(first_word).filter(|name| !name.is_empty()));
     }
     found
 }
@@ -216,15 +150,6 @@ fn first_word(text: &str) -> String {
     text.trim_start().chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect()
 }
 
-fn names_crate(code: &str, name: &str) -> bool {
-    [format!("{name}::"), format!("use {name};")].iter().any(|form| {
-        code.match_indices(form.as_str()).any(|(at, _)| {
-            let before = code[..at].chars().next_back();
-            !before.is_some_and(|c| c.is_alphanumeric() || c == '_' || c == ':')
-        })
-    })
-}
-
 #[test]
 fn the_reader_of_use_lines_finds_every_form() {
     let text = "use crate::tick::{Tick, Pose};\nuse crate::{flight::{Flight, Parts}, notation::N};\n\
@@ -234,21 +159,85 @@ fn the_reader_of_use_lines_finds_every_form() {
         found.iter().map(String::as_str).collect::<Vec<_>>(),
         ["flight", "notation", "plant", "tick"]
     );
-    assert!(names_crate("use mcap::Writer;", "mcap") && !names_crate("crate::mcap::x", "mcap"));
+}
+
+/// The names under `[dependencies]` in the `Cargo.toml` of a crate below `twin/`, or of the program for `root`.
+fn dependencies(name: &str) -> BTreeSet<String> {
+    let folder =
+        if name == "root" { repository().into() } else { repository().join("twin").join(name) };
+    let text =
+        std::fs::read_to_string(folder.join("Cargo.toml")).expect("every crate has a manifest");
+    let manifest: toml::Table = text.parse().expect("cargo reads it too");
+    manifest["dependencies"].as_table().expect("a table").keys().cloned().collect()
 }
 
 #[test]
-fn every_module_uses_only_what_lies_below_it() {
-    let allowed: BTreeMap<&str, &[&str]> = MAY_USE.iter().copied().collect();
+fn every_crate_depends_only_on_crates_below_it() {
+    let mut lower = BTreeSet::new();
+    for (name, allowed) in CRATES {
+        for used in allowed.iter() {
+            assert!(
+                lower.contains(used),
+                "{name} may use {used}, which does not stand below it in CRATES"
+            );
+        }
+        lower.insert(*name);
+        for used in dependencies(name) {
+            if let Some(used) = used.strip_prefix("twin-") {
+                assert!(
+                    allowed.contains(&used),
+                    "{name} depends on {used}; it may depend on {allowed:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn every_crate_is_in_the_list() {
+    let folders = std::fs::read_dir(repository().join("twin")).expect("the crates lie there");
+    let found: BTreeSet<String> = folders
+        .map(|entry| entry.expect("an entry").path())
+        .filter(|path| path.join("Cargo.toml").exists())
+        .map(|path| path.file_name().expect("a name").to_string_lossy().into_owned())
+        .collect();
+    let listed: BTreeSet<String> = CRATES.iter().map(|(name, _)| (*name).to_owned()).collect();
+    assert_eq!(found, listed);
+}
+
+#[test]
+fn packages_of_others_stay_behind_their_doors() {
+    for name in CRATES.iter().map(|(name, _)| *name).chain(["root"]) {
+        for used in dependencies(name) {
+            if let Some((_, homes)) = ONLY_IN.iter().find(|(package, _)| *package == used) {
+                assert!(homes.contains(&name), "{name} depends on {used}; only {homes:?} may");
+            }
+        }
+    }
+}
+
+/// The module of `core` that a file belongs to.
+fn module(path: &Path) -> String {
+    let below = path.strip_prefix("twin/core/src").expect("it lies in core");
+    let first = below.components().next().expect("a name").as_os_str().to_string_lossy();
+    first.trim_end_matches(".rs").to_owned()
+}
+
+#[test]
+fn every_module_of_core_uses_only_what_the_list_allows() {
+    let allowed: BTreeMap<&str, &[&str]> = MODULES_OF_CORE.iter().copied().collect();
     let mut wrong = Vec::new();
-    for (path, text) in files("twin", &[".rs"]) {
+    for (path, text) in files("twin/core/src", &[".rs"]) {
         let module = module(&path);
+        if module == "lib" {
+            continue;
+        }
         let Some(allowed) = allowed.get(module.as_str()) else {
             wrong.push(format!("{}: module {module:?} is not in the list", path.display()));
             continue;
         };
         for used in uses(&code(&text)) {
-            let known = MAY_USE.iter().any(|(name, _)| *name == used);
+            let known = MODULES_OF_CORE.iter().any(|(name, _)| *name == used);
             if known && used != module && !allowed.contains(&used.as_str()) {
                 wrong.push(format!("{} uses {used}; {module} may use {allowed:?}", path.display()));
             }
@@ -258,14 +247,9 @@ fn every_module_uses_only_what_lies_below_it() {
 }
 
 #[test]
-fn every_module_of_the_crate_is_in_the_list_and_the_list_holds_no_circle() {
-    let map = std::fs::read_to_string(repository().join("twin/lib.rs")).expect("the map");
-    for name in map.lines().filter_map(|line| line.strip_prefix("pub mod ")) {
-        let name = name.trim_end_matches(';');
-        assert!(MAY_USE.iter().any(|(known, _)| *known == name), "{name}");
-    }
+fn the_list_of_modules_of_core_holds_no_circle() {
     // Strike out what uses nothing that is left, until nothing is left.
-    let mut left: BTreeMap<&str, &[&str]> = MAY_USE.iter().copied().collect();
+    let mut left: BTreeMap<&str, &[&str]> = MODULES_OF_CORE.iter().copied().collect();
     while !left.is_empty() {
         let free: Vec<&str> = left
             .iter()
@@ -278,32 +262,16 @@ fn every_module_of_the_crate_is_in_the_list_and_the_list_holds_no_circle() {
 }
 
 #[test]
-fn outside_crates_stay_behind_their_doors() {
-    let mut wrong = Vec::new();
-    for (path, text) in files("twin", &[".rs"]) {
-        let (module, code) = (module(&path), code(&text));
-        for (name, homes) in ONLY_IN {
-            if module != "build" && !homes.contains(&module.as_str()) && names_crate(&code, name) {
-                wrong.push(format!("{} names {name}; only {homes:?} may", path.display()));
-            }
-        }
-    }
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-}
-
-#[test]
 fn the_loop_touches_no_file_clock_thread_or_unseeded_chance() {
     let mut wrong = Vec::new();
-    for (path, text) in files("twin", &[".rs"]) {
-        if PURE.contains(&module(&path).as_str()) {
-            let code = code(&text);
-            wrong.extend(
-                IMPURE
-                    .iter()
-                    .filter(|word| code.contains(**word))
-                    .map(|word| format!("{}: {word}", path.display())),
-            );
-        }
+    for (path, text) in files("twin/core/src", &[".rs"]) {
+        let code = code(&text);
+        wrong.extend(
+            IMPURE
+                .iter()
+                .filter(|word| code.contains(**word))
+                .map(|word| format!("{}: {word}", path.display())),
+        );
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use twin::scenario::{DEFAULTS, Scenario};
+use twin_scenario::{DEFAULTS, Scenario};
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios")
@@ -73,7 +73,7 @@ fn settings_survive_a_round_trip_through_toml() {
     for file in files() {
         let settings = Scenario::load(&file, &[]).expect("it loads").settings;
         let text = toml::to_string(&settings).expect("settings are TOML");
-        let again: twin::scenario::Settings = toml::from_str(&text).expect("and back");
+        let again: twin_scenario::Settings = toml::from_str(&text).expect("and back");
         assert!(again == settings, "{}", file.display());
     }
 }

@@ -4,6 +4,6 @@
 mod cli;
 
 fn main() -> std::process::ExitCode {
-    twin::mirror::program::set_commit(option_env!("TWIN_GIT_ID").unwrap_or("unknown"));
+    twin_record::program::set_commit(option_env!("TWIN_GIT_ID").unwrap_or("unknown"));
     cli::main()
 }

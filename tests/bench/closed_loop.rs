@@ -14,9 +14,9 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use twin::flight::Flight;
-use twin::notation::TICK_S;
-use twin::scenario::Scenario;
+use twin_core::flight::Flight;
+use twin_core::notation::TICK_S;
+use twin_scenario::Scenario;
 
 /// Ticks over which the shares are averaged.
 const SHARE_TICKS: usize = 1000;

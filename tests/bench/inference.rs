@@ -10,14 +10,14 @@ use std::io::BufRead;
 use std::path::Path;
 use std::time::Instant;
 
-use twin::elementary::sin;
-use twin::notation::Coords;
-use twin::residual::fdt::{Fast, Model};
-use twin::residual::lra::{Adapter, Settings};
-use twin::residual::nn::Precision;
-use twin::residual::nn::kernels::Kernel;
-use twin::residual::weights::{FdtConfig, Weights};
-use twin::residual::{Fdt, History, Predictor};
+use twin_core::elementary::sin;
+use twin_core::notation::Coords;
+use twin_core::residual::fdt::{Fast, Model};
+use twin_core::residual::lra::{Adapter, Settings};
+use twin_core::residual::nn::Precision;
+use twin_core::residual::nn::kernels::Kernel;
+use twin_core::residual::weights::{FdtConfig, Weights};
+use twin_core::residual::{Fdt, History, Predictor};
 
 #[allow(dead_code, reason = "the tests use more of it")]
 #[path = "../fdt/made.rs"]

@@ -27,11 +27,12 @@ use std::time::{Duration, Instant};
 use console::{Arrival, Console};
 use mcap::records::MessageHeader;
 use rand::{RngExt, SeedableRng};
-use twin::mirror::{OpenedFlight, Recorder, RecordingEnd};
-use twin::notation::TICK_S;
-use twin::scenario::Scenario;
-use twin::server::{MirrorOptions, spawn_mirror};
-use twin::tick::Tick;
+use twin_console::server::{MirrorOptions, spawn_mirror};
+use twin_core::notation::TICK_S;
+use twin_core::tick::Tick;
+use twin_foreign::OpenedFlight;
+use twin_record::{Recorder, RecordingEnd};
+use twin_scenario::Scenario;
 
 /// Names the file in the process that serves it.
 const FILE: &str = "TWIN_SEEK_FILE";

@@ -1,9 +1,9 @@
 //! The forward pass that flies, folded and packed, against the plain one, for every kernel of this processor.
 
-use twin::residual::fdt::{Fast, Model, Output};
-use twin::residual::nn::Precision;
-use twin::residual::nn::kernels::Kernel;
-use twin::residual::weights::FdtConfig;
+use twin_core::residual::fdt::{Fast, Model, Output};
+use twin_core::residual::nn::Precision;
+use twin_core::residual::nn::kernels::Kernel;
+use twin_core::residual::weights::FdtConfig;
 
 use super::made;
 

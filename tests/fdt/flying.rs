@@ -2,14 +2,14 @@
 
 use std::path::PathBuf;
 
-use twin::mirror::{Recorder, RecordingEnd, read_recording};
-use twin::notation::{Coords, ROWS};
-use twin::residual::nn::Precision;
-use twin::residual::nn::kernels::Kernel;
-use twin::residual::weights::{Acceptance, FdtConfig, SHIPPED, Weights, channel_names};
-use twin::residual::{Fdt, History, Predictor};
-use twin::scenario::{Scenario, acceptance, fly};
-use twin::tick::Tick;
+use twin_core::notation::{Coords, ROWS};
+use twin_core::residual::nn::Precision;
+use twin_core::residual::nn::kernels::Kernel;
+use twin_core::residual::weights::{Acceptance, FdtConfig, SHIPPED, Weights, channel_names};
+use twin_core::residual::{Fdt, History, Predictor};
+use twin_core::tick::Tick;
+use twin_record::{Recorder, RecordingEnd, read_recording};
+use twin_scenario::{Scenario, acceptance, fly};
 
 use super::made;
 

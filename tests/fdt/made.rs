@@ -3,9 +3,9 @@
 use rand::SeedableRng;
 use rand::distr::Distribution;
 use rand_pcg::Pcg64;
-use twin::elementary::sin;
-use twin::normal::StandardNormal;
-use twin::residual::weights::{
+use twin_core::elementary::sin;
+use twin_core::normal::StandardNormal;
+use twin_core::residual::weights::{
     Acceptance, FORMAT, FdtConfig, Head, Normalisation, Tensor, Training, Weights, channel_names,
     output_names,
 };

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use serde::Deserialize;
-use twin::residual::fdt::{Model, Output};
-use twin::residual::weights::FdtConfig;
+use twin_core::residual::fdt::{Model, Output};
+use twin_core::residual::weights::FdtConfig;
 
 use super::made;
 

@@ -1,10 +1,10 @@
 //! Files of weights that must be refused, each with the sentence that says what is wrong.
 
-use twin::notation::Coords;
-use twin::residual::Fdt;
-use twin::residual::nn::Precision;
-use twin::residual::nn::kernels::Kernel;
-use twin::residual::weights::{FdtConfig, Head, Tensor, Weights, WeightsError};
+use twin_core::notation::Coords;
+use twin_core::residual::Fdt;
+use twin_core::residual::nn::Precision;
+use twin_core::residual::nn::kernels::Kernel;
+use twin_core::residual::weights::{FdtConfig, Head, Tensor, Weights, WeightsError};
 
 use super::made;
 

@@ -1,7 +1,7 @@
 //! Changes of the world act as physics says they must.
 
-use twin::elementary::squared;
-use twin::tick::{EventKind, Tick};
+use twin_core::elementary::squared;
+use twin_core::tick::{EventKind, Tick};
 
 use super::flown::{flown, mean, scenario};
 

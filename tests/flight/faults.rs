@@ -2,11 +2,13 @@
 
 use std::sync::{Arc, Mutex};
 
-use twin::flight::{Flight, Parts};
-use twin::notation::{Coords, N};
-use twin::residual::{History, Predictor};
-use twin::source::{Disturbance, InnerLoop, InnerState, Source};
-use twin::tick::{ActuatorCommand, EventKind, Fault, Forecast, Measurement, Setpoint, Tick, Truth};
+use twin_core::flight::{Flight, Parts};
+use twin_core::notation::{Coords, N};
+use twin_core::residual::{History, Predictor};
+use twin_core::source::{Disturbance, InnerLoop, InnerState, Source};
+use twin_core::tick::{
+    ActuatorCommand, EventKind, Fault, Forecast, Measurement, Setpoint, Tick, Truth,
+};
 
 use super::flown::scenario;
 
@@ -195,7 +197,7 @@ impl Source for Dead {
             chi_dot: Coords::repeat(f64::NAN),
             chi_ddot: Coords::repeat(f64::NAN),
             tau_applied: Coords::repeat(f64::NAN),
-            gripper: twin::tick::GripperReading::default(),
+            gripper: twin_core::tick::GripperReading::default(),
             payload: None,
             saturated: false,
         }

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use twin::scenario::{Report, Scenario, fly};
-use twin::tick::Tick;
+use twin_core::tick::Tick;
+use twin_scenario::{Report, Scenario, fly};
 
 /// `scenarios/{name}.toml` under `overrides`.
 pub(super) fn scenario(name: &str, overrides: &[&str]) -> Scenario {

@@ -1,8 +1,8 @@
 //! Flights to their verdict: what must succeed, and what must not.
 
-use twin::elementary::squared;
-use twin::scenario::Verdict;
-use twin::tick::EventKind;
+use twin_core::elementary::squared;
+use twin_core::tick::EventKind;
+use twin_scenario::Verdict;
 
 use super::flown::{flown, mean, scenario};
 
@@ -18,7 +18,7 @@ fn it_hovers_as_precisely_as_the_paper_says() {
         let (report, ticks) = flown(&scenario("hover", &["task.duration_s=12.0", preset]));
         assert_eq!(report.verdict, Verdict::Completed, "{preset}: {}", report.reason);
         // Counted here, not by the metrics: from 2 s on, against the place in the scenario.
-        let squares = |tick: &twin::tick::Tick| {
+        let squares = |tick: &twin_core::tick::Tick| {
             let chi = tick.truth.as_ref().expect("it is simulated").chi;
             squared(chi[0]) + squared(chi[1]) + squared(chi[2] - 1.2)
         };
@@ -37,8 +37,9 @@ fn a_cube_does_not_slip_while_hovering() {
     let overrides = ["task.duration_s=7.0", "task.start=grasped", "payload.mass_kg=0.3"];
     let (report, ticks) = flown(&scenario("hover", &overrides));
     assert_eq!(report.verdict, Verdict::Completed, "{}", report.reason);
-    let in_palm =
-        |tick: &twin::tick::Tick| tick.truth.as_ref().expect("it is simulated").payload_in_palm;
+    let in_palm = |tick: &twin_core::tick::Tick| {
+        tick.truth.as_ref().expect("it is simulated").payload_in_palm
+    };
     let start = in_palm(&ticks[200]);
     let slip_mm =
         ticks[200..].iter().map(|tick| (in_palm(tick) - start).norm() * 1e3).fold(0.0, f64::max);
@@ -52,8 +53,9 @@ fn it_picks_carries_and_places() {
     assert_eq!(report.verdict, Verdict::Completed, "{}", report.reason);
     assert!(report.passed, "{:?}", report.broken);
     // The cube began on the box and rests on the table: 60 mm is the verdict's own limit, heights are those of the URDFs.
-    let cube =
-        |tick: &twin::tick::Tick| tick.truth.as_ref().expect("it is simulated").payload_position;
+    let cube = |tick: &twin_core::tick::Tick| {
+        tick.truth.as_ref().expect("it is simulated").payload_position
+    };
     let (first, last) = (cube(&ticks[0]), cube(ticks.last().expect("it flew")));
     assert!((first.z - 0.125).abs() < 1e-3 && (first.x + 1.5).abs() < 0.25, "{first}");
     assert!(

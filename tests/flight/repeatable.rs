@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use twin::mirror::{Recorder, RecordingEnd, read_recording, read_ticks};
-use twin::scenario::{Scenario, Settings};
+use twin_record::{Recorder, RecordingEnd, read_recording, read_ticks};
+use twin_scenario::{Scenario, Settings};
 
 use super::flown::{flown, scenario};
 

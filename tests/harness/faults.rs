@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use twin::scenario::{Report, Scenario, fly};
-use twin::tick::{EventKind, Tick};
+use twin_core::tick::{EventKind, Tick};
+use twin_scenario::{Report, Scenario, fly};
 
 use super::Folder;
 

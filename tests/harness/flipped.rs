@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use twin::control::{Controller, Gains, Input};
-use twin::flight::Flight;
-use twin::scenario::{Assessor, Scenario};
-use twin::tick::{ControlState, Setpoint};
+use twin_core::control::{Controller, Gains, Input};
+use twin_core::flight::Flight;
+use twin_core::tick::{ControlState, Setpoint};
+use twin_scenario::{Assessor, Scenario};
 
 use super::Folder;
 

@@ -159,7 +159,7 @@ fn failure_and_error_are_kept_apart_and_each_case_carries_seed_hash_and_versions
 
     assert_eq!(property(&suites[1], "seed"), Some("7"));
     assert_eq!(property(&suites[1], "version"), Some(env!("CARGO_PKG_VERSION")));
-    let recorded = twin::mirror::read_recording(&recording).expect("the evidence can be read");
+    let recorded = twin_record::read_recording(&recording).expect("the evidence can be read");
     let hash = recorded.metadata.get("state_hash").map(String::as_str);
     assert_eq!(property(&suites[1], "state_hash"), hash);
 }

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use twin::scenario::Report;
-use twin::suite::{CaseResult, Options, Plan, Selection, plan, run};
+use twin_scenario::Report;
+use twin_scenario::suite::{CaseResult, Options, Plan, Selection, plan, run};
 
 fn short(seeds: Vec<u64>, iterations: usize) -> Plan {
     let hover = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/hover.toml");

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use twin::suite::{Evidence, MakePage, Options, Selection, plan, run};
+use twin_scenario::suite::{Evidence, MakePage, Options, Selection, plan, run};
 
 use super::{Folder, TOO_LOW, twin};
 

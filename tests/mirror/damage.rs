@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use rand::{RngExt, SeedableRng};
-use twin::mirror::cdr::decode;
-use twin::mirror::gather::gather;
-use twin::mirror::recorded::on_ticks;
-use twin::mirror::schema::Layout;
-use twin::mirror::signals::signals;
-use twin::mirror::{Map, Survey, container, topics};
+use twin_foreign::cdr::decode;
+use twin_foreign::gather::gather;
+use twin_foreign::recorded::on_ticks;
+use twin_foreign::schema::Layout;
+use twin_foreign::signals::signals;
+use twin_foreign::{Map, Survey, container, topics};
 
 use super::made::{Form, PLAIN, file, flight};
 

@@ -2,7 +2,7 @@
 //! end). The same bodies are targets of cargo-fuzz in `tests/fuzz`.
 
 use rand::{RngExt, SeedableRng};
-use twin::mirror::topics::SHIPPED;
+use twin_foreign::topics::SHIPPED;
 
 use super::damage::mutate;
 use super::fuzzed;

@@ -5,13 +5,13 @@ use std::io::Cursor;
 use std::path::Path;
 use std::sync::LazyLock;
 
-use twin::mirror::cdr::{decode, decode_packed};
-use twin::mirror::gather::gather_from;
-use twin::mirror::protobuf::Descriptor;
-use twin::mirror::recorded::on_ticks;
-use twin::mirror::schema::Layout;
-use twin::mirror::signals::signals;
-use twin::mirror::{Map, OpenedFlight, RecordedFlight, Survey};
+use twin_foreign::cdr::{decode, decode_packed};
+use twin_foreign::gather::gather_from;
+use twin_foreign::protobuf::Descriptor;
+use twin_foreign::recorded::on_ticks;
+use twin_foreign::schema::Layout;
+use twin_foreign::signals::signals;
+use twin_foreign::{Map, OpenedFlight, RecordedFlight, Survey};
 
 /// A message definition with everything a definition may have.
 pub(super) const DEFINITION: &str = "uint8 a\nfloat64 b\nstring name\nfloat32[] values\nInner[] inner\nstring[<=4] names\n===\nMSG: p/Inner\nint16 c\nfloat32[3] d\n";

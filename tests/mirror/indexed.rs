@@ -4,10 +4,10 @@ use std::io::Cursor;
 use std::path::Path;
 use std::sync::Arc;
 
-use twin::mirror::film::Footage;
-use twin::mirror::stretches::LONG_S;
-use twin::mirror::{OpenedFlight, RecordedFlight};
-use twin::scenario::Shadow;
+use twin_foreign::Shadow;
+use twin_foreign::film::Footage;
+use twin_foreign::stretches::LONG_S;
+use twin_foreign::{OpenedFlight, RecordedFlight};
 
 use super::made::{Form, PLAIN, file, flight};
 
@@ -78,7 +78,7 @@ fn a_long_flight_read_part_by_part_is_the_one_read_whole() {
         assert!(footage.troubles().is_empty());
         assert!(long.recorded.instants.len() < 7000, "{}", long.recorded.instants.len());
         let gain = |opened: &OpenedFlight| match &opened.recorded.effort {
-            twin::mirror::Effort::Fitted { fit, .. } => fit.gain,
+            twin_foreign::Effort::Fitted { fit, .. } => fit.gain,
             other => panic!("{other:?}"),
         };
         // The same circle: the stretches say what the whole says, to what H takes.

@@ -13,10 +13,10 @@ use mcap::records::MessageHeader;
 use serde_json::json;
 use tungstenite::handshake::server::{Request, Response};
 use tungstenite::{Message, WebSocket};
-use twin::mirror::film::Footage;
-use twin::mirror::live::{From, Live};
-use twin::mirror::{OpenedFlight, RecordedFlight};
-use twin::notation::TICK_S;
+use twin_core::notation::TICK_S;
+use twin_foreign::film::Footage;
+use twin_foreign::live::{From, Live};
+use twin_foreign::{OpenedFlight, RecordedFlight};
 
 use super::made::{ODOMETRY, THRUST, file, messages, truth};
 

@@ -6,12 +6,12 @@ use std::path::PathBuf;
 
 use mcap::records::MessageHeader;
 use nalgebra::{UnitQuaternion, Vector3};
-use twin::elementary::{cos, sin, squared};
-use twin::mirror::gather::gather;
-use twin::mirror::recorded::on_ticks;
-use twin::mirror::signals::{Signals, signals};
-use twin::mirror::{Effort, Map, RecordedFlight, Survey};
-use twin::scenario::shadow;
+use twin_core::elementary::{cos, sin, squared};
+use twin_foreign::gather::gather;
+use twin_foreign::recorded::on_ticks;
+use twin_foreign::shadow;
+use twin_foreign::signals::{Signals, signals};
+use twin_foreign::{Effort, Map, RecordedFlight, Survey};
 
 /// Radius, m, and angular speed, rad/s, of the circle.
 const RADIUS_M: f64 = 1.0;

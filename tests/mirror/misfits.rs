@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::io::Cursor;
 
 use mcap::records::MessageHeader;
-use twin::elementary::{cos, sin};
-use twin::mirror::gather::gather_from;
-use twin::mirror::{Map, OpenedFlight, Survey};
+use twin_core::elementary::{cos, sin};
+use twin_foreign::gather::gather_from;
+use twin_foreign::{Map, OpenedFlight, Survey};
 
 use super::made::{Form, PLAIN, file, flight};
 

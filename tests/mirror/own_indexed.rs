@@ -6,9 +6,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use mcap::{Compression, Message, WriteOptions};
-use twin::mirror::{OpenedFlight, Recorder, RecordingEnd};
-use twin::scenario::Scenario;
-use twin::tick::Tick;
+use twin_core::tick::Tick;
+use twin_foreign::OpenedFlight;
+use twin_record::{Recorder, RecordingEnd};
+use twin_scenario::Scenario;
 
 use super::indexed::{assert_same, both, footage};
 use super::made::file;
@@ -28,7 +29,7 @@ fn own(name: &str, ticks: u64) -> PathBuf {
     for index in 0..ticks {
         let mut tick = flown[index as usize % flown.len()].clone();
         tick.index = index;
-        tick.measurement.t_s = index as f64 * twin::notation::TICK_S;
+        tick.measurement.t_s = index as f64 * twin_core::notation::TICK_S;
         // No two ticks are the same, so a tick in the wrong place shows.
         tick.measurement.chi[0] += index as f64 * 1e-6;
         recorder.record(Arc::new(tick)).expect("recorded");

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use twin::mirror::topics::Quantity;
-use twin::mirror::{Effort, Map, RecordedFlight, Survey};
-use twin::scenario::{ShadowReport, shadow};
+use twin_foreign::topics::Quantity;
+use twin_foreign::{Effort, Map, RecordedFlight, Survey};
+use twin_foreign::{ShadowReport, shadow};
 
 use super::made::read;
 
@@ -26,7 +26,7 @@ fn map(path: &Path) -> Map {
     Map::over_generic(own).expect("the generic map")
 }
 
-fn fly(path: &Path) -> (twin::mirror::signals::Signals, RecordedFlight, ShadowReport) {
+fn fly(path: &Path) -> (twin_foreign::signals::Signals, RecordedFlight, ShadowReport) {
     let map = map(path);
     let (signals, recorded) = read(path, &map);
     let report = shadow(&recorded, map.vehicle.inertia_kg_m2, &mut |_| {}).expect("ticks");
@@ -110,7 +110,7 @@ fn the_ulog_and_the_mcap_that_was_made_of_it_are_the_same_flight() {
     let Some(folder) = flights() else { return };
     let name = |ending: &str| folder.join(format!("px4_arm/20250612_waypoint4_px4.{ending}"));
     let (mcap, ulog) = (fly(&name("mcap")), fly(&name("ulg")));
-    let used = |signals: &twin::mirror::signals::Signals| -> Vec<(Quantity, String, usize)> {
+    let used = |signals: &twin_foreign::signals::Signals| -> Vec<(Quantity, String, usize)> {
         signals
             .used
             .iter()

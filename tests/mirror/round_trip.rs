@@ -2,9 +2,11 @@
 
 use std::sync::Arc;
 
-use twin::mirror::{Effort, OpenedFlight, Recorder, RecordingEnd};
-use twin::scenario::{Scenario, fly, shadow};
-use twin::tick::Tick;
+use twin_core::tick::Tick;
+use twin_foreign::shadow;
+use twin_foreign::{Effort, OpenedFlight};
+use twin_record::{Recorder, RecordingEnd};
+use twin_scenario::{Scenario, fly};
 
 use super::made::file;
 

@@ -7,7 +7,7 @@ use foxglove::Encode;
 use foxglove::messages as fox;
 use mcap::records::MessageHeader;
 use nalgebra::{UnitQuaternion, Vector3};
-use twin::mirror::Map;
+use twin_foreign::Map;
 
 use super::made::{Cdr, file, read, truth};
 

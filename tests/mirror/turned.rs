@@ -5,9 +5,9 @@ use std::io::Cursor;
 
 use mcap::records::MessageHeader;
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
-use twin::elementary::{cos, powi};
-use twin::mirror::{Effort, Map, RecordedFlight, Torque, TorqueAxis, TorqueFit};
-use twin::scenario::shadow;
+use twin_core::elementary::{cos, powi};
+use twin_foreign::shadow;
+use twin_foreign::{Effort, Map, RecordedFlight, Torque, TorqueAxis, TorqueFit};
 
 use super::made::{Cdr, GAIN, ODOMETRY, THRUST, file, read};
 

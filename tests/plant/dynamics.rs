@@ -2,9 +2,9 @@
 
 use nalgebra::{DVector, Isometry3, Matrix3, Matrix4, Vector3};
 use rapier3d_f64::prelude::*;
-use twin::elementary::sin;
-use twin::model::{JointKind, Robot};
-use twin::plant::{Articulation, new_world};
+use twin_core::elementary::sin;
+use twin_plant::model::{JointKind, Robot};
+use twin_plant::{Articulation, new_world};
 
 use super::oracle::{Effort, Oracle, State};
 use super::rig::{aerial_manipulator, awkward, quiet_settings, random_state};

@@ -1,7 +1,7 @@
 //! Friction holds the cube, and as much friction as Coulomb allows.
 
 use nalgebra::Vector3;
-use twin::tick::{GripperCommand, Truth};
+use twin_core::tick::{GripperCommand, Truth};
 
 use super::rig::{Rig, RigSettings};
 

@@ -1,10 +1,10 @@
 //! Limits, mimic and effort of the joints.
 
 use nalgebra::{Vector2, Vector3};
-use twin::notation::Coords;
-use twin::scenario::Scenario;
-use twin::source::{InnerLoop, InnerState};
-use twin::tick::{GripperCommand, Truth};
+use twin_core::notation::Coords;
+use twin_core::source::{InnerLoop, InnerState};
+use twin_core::tick::{GripperCommand, Truth};
+use twin_scenario::Scenario;
 
 use super::rig::{Rig, RigSettings, aerial_manipulator, repository};
 

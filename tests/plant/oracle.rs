@@ -6,7 +6,7 @@
 use nalgebra::{
     DMatrix, DVector, Isometry3, Matrix3, Point3, Translation3, UnitQuaternion, Vector3,
 };
-use twin::model::{Joint, JointKind, Robot};
+use twin_plant::model::{Joint, JointKind, Robot};
 
 /// Standard gravity of the twin, m/s².
 pub(super) const GRAVITY_M_S2: f64 = 9.81;
@@ -228,7 +228,7 @@ fn child_motion(parent: &Motion, joint: &Joint, q: f64, qd: f64, qdd: f64) -> Mo
 
 /// Force on a link and moment about its origin that its motion takes, in the world.
 fn newton_euler(
-    inertial: &twin::model::Inertial,
+    inertial: &twin_plant::model::Inertial,
     motion: &Motion,
     gravity: f64,
 ) -> (Vector3<f64>, Vector3<f64>) {

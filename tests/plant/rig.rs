@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use nalgebra::{DVector, Isometry3, Matrix3, UnitQuaternion, Vector2, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
-use twin::model::{Inertial, Joint, JointKind, Link, Packages, Robot};
-use twin::notation::MAX_ROTORS;
-use twin::plant::{PlantSettings, SimulatedVehicle, Start};
-use twin::scenario::Scenario;
-use twin::source::{InnerLoop, InnerState, Source};
-use twin::tick::{ActuatorCommand, GripperCommand, Setpoint, Truth};
+use twin_core::notation::MAX_ROTORS;
+use twin_core::source::{InnerLoop, InnerState, Source};
+use twin_core::tick::{ActuatorCommand, GripperCommand, Setpoint, Truth};
+use twin_plant::model::{Inertial, Joint, JointKind, Link, Packages, Robot};
+use twin_plant::{PlantSettings, SimulatedVehicle, Start};
+use twin_scenario::Scenario;
 
 use super::oracle::{GRAVITY_M_S2, Oracle, State};
 
@@ -167,7 +167,7 @@ impl Rig {
         settings.vehicle.rotor.thrust_scale = 1.0;
         settings.vehicle.rotor.max_thrust_n = f64::MAX.sqrt();
         let position = Vector3::new(0.0, 0.0, 2.0);
-        let poses = twin::model::link_poses(
+        let poses = twin_plant::model::link_poses(
             &robot,
             &Isometry3::from(position),
             &vec![0.0; robot.joints.len()],

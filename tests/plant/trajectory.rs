@@ -1,12 +1,12 @@
 //! One second of open-loop flight of the whole simulated vehicle against the oracle integrated by Runge and Kutta.
 
 use nalgebra::{DVector, Rotation3, UnitQuaternion, Vector2, Vector3};
-use twin::elementary::{acos, sin};
-use twin::model::{JointKind, Robot};
-use twin::notation::{Coords, MAX_ROTORS};
-use twin::plant::{PlantSettings, SimulatedVehicle, Start};
-use twin::source::{InnerLoop, InnerState, Source};
-use twin::tick::{ActuatorCommand, Setpoint};
+use twin_core::elementary::{acos, sin};
+use twin_core::notation::{Coords, MAX_ROTORS};
+use twin_core::source::{InnerLoop, InnerState, Source};
+use twin_core::tick::{ActuatorCommand, Setpoint};
+use twin_plant::model::{JointKind, Robot};
+use twin_plant::{PlantSettings, SimulatedVehicle, Start};
 
 use super::oracle::{Effort, Oracle, State};
 use super::rig::{aerial_manipulator, any_setpoint, awkward, quiet_settings};

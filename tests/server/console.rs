@@ -9,8 +9,8 @@ use serde_json::Value;
 use tungstenite::client::IntoClientRequest;
 use tungstenite::{Message, WebSocket};
 
-use twin::scenario::Scenario;
-use twin::server::{Running, ServeOptions, spawn};
+use twin_console::server::{Running, ServeOptions, spawn};
+use twin_scenario::Scenario;
 
 /// Nothing here takes longer, also on a loaded machine.
 pub(super) const PATIENCE: Duration = Duration::from_secs(20);

@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use super::console::{Console, api, folder, options, scenario, serve};
-use twin::server::spawn;
+use twin_console::server::spawn;
 
 fn gain_in(list: &Value, name: &str) -> Value {
     let gains = list["gains"].as_array().expect("a list");
@@ -131,8 +131,7 @@ fn a_served_flight_is_recorded_tick_by_tick_and_each_restart_in_its_own_file() {
     while console.frame().after() < 20 {}
     running.stop();
 
-    let first =
-        twin::mirror::read_recording(&folder.join("flight.mcap")).expect("the first flight");
+    let first = twin_record::read_recording(&folder.join("flight.mcap")).expect("the first flight");
     assert_eq!(first.warning, None);
     assert!(first.ticks.len() >= 60);
     assert!(first.ticks.iter().zip(0..).all(|(tick, index)| tick.index == index));
@@ -143,7 +142,7 @@ fn a_served_flight_is_recorded_tick_by_tick_and_each_restart_in_its_own_file() {
         changed.events
     );
     let second =
-        twin::mirror::read_recording(&folder.join("flight-2.mcap")).expect("the second flight");
+        twin_record::read_recording(&folder.join("flight-2.mcap")).expect("the second flight");
     assert_eq!(second.metadata["seed"], "5");
     assert!(second.metadata.contains_key("state_hash"));
 }

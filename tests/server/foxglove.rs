@@ -10,7 +10,7 @@ use tungstenite::Message;
 use super::console::{Console, api, options};
 use super::foxglove_client::Foxglove;
 use super::viewers::{Viewer, field, is};
-use twin::server::{Running, spawn};
+use twin_console::server::{Running, spawn};
 
 /// Poses reach both protocols as f32: at 10 m that is 1e-6 m.
 const POSE_TOLERANCE_M: f64 = 1e-5;

@@ -2,7 +2,7 @@
 
 use super::console::options;
 use super::foxglove_client::Foxglove;
-use twin::server::spawn;
+use twin_console::server::spawn;
 
 #[test]
 fn foxglove_fetches_the_urdf_that_flies_and_no_other_file() {

@@ -11,7 +11,7 @@ use super::foxglove_client::Foxglove;
 use super::mirroring::{mirror_file, mirror_with};
 use crate::mirror::made::{PLAIN, file};
 use crate::mirror::round_trip::record;
-use twin::server::Running;
+use twin_console::server::Running;
 
 const S: u64 = 1_000_000_000;
 
@@ -163,7 +163,7 @@ fn a_recording_tells_the_angles_of_its_joints_by_their_names_and_no_torque() {
 fn a_simulated_flight_has_no_timeline() {
     let mut options = super::console::options();
     options.foxglove_port = Some(0);
-    let running = twin::server::spawn(options).expect("free ports");
+    let running = twin_console::server::spawn(options).expect("free ports");
     let mut client = Foxglove::connect(running.foxglove_address().expect("a port"));
     let info = client.op("serverInfo");
     assert!(!info["capabilities"].as_array().unwrap().contains(&"playbackControl".into()));

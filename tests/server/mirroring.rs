@@ -5,8 +5,8 @@ use serde_json::Value;
 
 use super::console::{Arrival, Console, Frame, http};
 use crate::mirror::made::{Form, PLAIN, file, flight};
-use twin::mirror::OpenedFlight;
-use twin::server::{MirrorOptions, Running, spawn_mirror};
+use twin_console::server::{MirrorOptions, Running, spawn_mirror};
+use twin_foreign::OpenedFlight;
 
 fn mirror(name: &str, form: Form, start_paused: bool) -> Running {
     mirror_with(name, form, start_paused, None)

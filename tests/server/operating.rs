@@ -3,8 +3,8 @@
 use serde_json::Value;
 
 use super::console::{Console, api, folder, http, options, serve};
-use twin::scenario::Scenario;
-use twin::server::{ServeOptions, spawn};
+use twin_console::server::{ServeOptions, spawn};
+use twin_scenario::Scenario;
 
 /// A scenario with a payload.
 fn with_payload() -> ServeOptions {

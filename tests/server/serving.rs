@@ -1,7 +1,7 @@
 //! The server itself: ports, pages, the HTTP interface.
 
 use super::console::{Console, api, http, options, serve};
-use twin::server::{ServerError, spawn};
+use twin_console::server::{ServerError, spawn};
 
 #[test]
 fn a_port_in_use_is_named_with_the_way_out() {

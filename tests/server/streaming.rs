@@ -6,8 +6,8 @@ use std::time::Instant;
 use serde_json::Value;
 
 use super::console::{Arrival, Console, PATIENCE, options};
-use twin::mirror::live::{From, Live};
-use twin::server::{MirrorOptions, Running, ServeOptions, spawn, spawn_mirror};
+use twin_console::server::{MirrorOptions, Running, ServeOptions, spawn, spawn_mirror};
+use twin_foreign::live::{From, Live};
 
 fn source(port: u16) -> Running {
     spawn(ServeOptions { foxglove_port: Some(port), ..options() }).expect("a free port")

@@ -1,7 +1,7 @@
 //! What a client sees: the hello, every tick, and the truth about what it missed.
 
 use super::console::{Arrival, Console, options, serve};
-use twin::server::spawn;
+use twin_console::server::spawn;
 
 #[test]
 fn the_hello_comes_first_and_describes_the_frames_that_follow() {

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use twin::notation::{N, ROWS};
-use twin::residual::weights::Acceptance;
-use twin::scenario::acceptance::{Flown, fly, together, write};
+use twin_core::notation::{N, ROWS};
+use twin_core::residual::weights::Acceptance;
+use twin_scenario::acceptance::{Flown, fly, together, write};
 
 use super::{End, Overrides};
 

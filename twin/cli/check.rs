@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Args;
-use twin::model::{Packages, Robot};
-use twin::residual::nn::Precision;
-use twin::residual::nn::kernels::Kernel;
-use twin::residual::trained;
-use twin::scenario::{Scenario, json_schema};
+use twin_core::residual::nn::Precision;
+use twin_core::residual::nn::kernels::Kernel;
+use twin_core::residual::trained;
+use twin_plant::model::{Packages, Robot};
+use twin_scenario::{Scenario, json_schema};
 
 use super::{End, Overrides, read_weights};
 

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use anyhow::Context;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
-use twin::notation::{ROWS, TICK_S};
-use twin::scenario::collect::{Collected, EXPECTED_STD, Flight, Plan, Spread, collect};
-use twin::scenario::side_by_side;
+use twin_core::notation::{ROWS, TICK_S};
+use twin_scenario::collect::{Collected, EXPECTED_STD, Flight, Plan, Spread, collect};
+use twin_scenario::side_by_side;
 
 use super::{End, Overrides};
 

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use twin::mirror::read_recording;
-use twin::suite::diff::{Difference, diff};
+use twin_record::read_recording;
+use twin_scenario::suite::diff::{Difference, diff};
 
 use super::End;
 

@@ -6,10 +6,11 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 use clap::Args;
-use twin::mirror::{OpenedFlight, read_recording};
-use twin::notation::{Coords, N, ROWS};
-use twin::scenario::Shadow;
-use twin::tick::Tick;
+use twin_core::notation::{Coords, N, ROWS};
+use twin_core::tick::Tick;
+use twin_foreign::OpenedFlight;
+use twin_foreign::Shadow;
+use twin_record::read_recording;
 
 use super::End;
 

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use twin::replay;
+use twin_console::replay;
 
 use super::End;
 

@@ -5,9 +5,10 @@ use std::sync::Arc;
 
 use anyhow::Context;
 use clap::Args;
-use twin::mirror::{Recorder, RecordingEnd};
-use twin::scenario::{Report, Scenario, fly, run::event_lines};
-use twin::server::{ServeOptions, serve};
+use twin_console::server::{ServeOptions, serve};
+use twin_record::{Recorder, RecordingEnd};
+use twin_scenario::run::event_lines;
+use twin_scenario::{Report, Scenario, fly};
 
 use super::{End, Overrides, default_scenario};
 

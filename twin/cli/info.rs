@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use twin::mirror::Survey;
-use twin::mirror::opened::survey;
-use twin::mirror::topics::Quantity;
+use twin_foreign::Survey;
+use twin_foreign::opened::survey;
+use twin_foreign::topics::Quantity;
 
 use super::End;
 

@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use anyhow::Context;
-use twin::mirror::OpenedFlight;
-use twin::notation::{ROWS, TICK_S};
-use twin::scenario::divergence::HORIZONS;
-use twin::scenario::{DivergenceReport, Flyer, Light, Shadow, Shot, Twin};
+use twin_core::notation::{ROWS, TICK_S};
+use twin_foreign::OpenedFlight;
+use twin_foreign::divergence::HORIZONS;
+use twin_foreign::{DivergenceReport, Flyer, Light, Shadow, Shot, Twin};
 
 /// The twin of `urdf`, or of what is known.
 pub(super) fn twin(urdf: Option<&Path>, opened: &OpenedFlight) -> anyhow::Result<Twin> {

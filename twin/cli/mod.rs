@@ -25,7 +25,7 @@ use std::process::ExitCode;
 
 use anyhow::Context;
 use clap::{Args, Parser, Subcommand};
-use twin::residual::weights::Weights;
+use twin_core::residual::weights::Weights;
 
 /// Digital twin of an aerial manipulator: contacts, residual learning, adaptive control, live console.
 #[derive(Parser)]

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use clap::{Args, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
-use twin::replay;
-use twin::scenario::Report;
-use twin::suite::{
+use twin_console::replay;
+use twin_scenario::Report;
+use twin_scenario::suite::{
     Evidence, Options, Selection, Shard, SuiteReport, junit, merge, page, plan, run,
 };
 

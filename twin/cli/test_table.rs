@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use twin::suite::{CaseResult, Successes, SuiteReport};
+use twin_scenario::suite::{CaseResult, Successes, SuiteReport};
 
 /// The progress line of a flight, with what is wrong below it.
 pub(super) fn line(result: &CaseResult) -> String {

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
-use twin::learn::config::TrainConfig;
-use twin::residual::weights::ModelKind;
+use twin_core::residual::weights::ModelKind;
+use twin_lab::learn::config::TrainConfig;
 
 use super::End;
 
@@ -174,7 +174,7 @@ fn jobs(args: &TrainArgs) -> anyhow::Result<Vec<Job>> {
 
 #[cfg(feature = "train")]
 fn train(args: &TrainArgs, jobs: &[Job]) -> anyhow::Result<End> {
-    use twin::learn::{Dataset, device};
+    use twin_lab::learn::{Dataset, device};
     device::choose(match args.device {
         Where::Cpu => device::DeviceKind::Cpu,
         Where::Gpu => device::DeviceKind::Gpu,
@@ -185,7 +185,7 @@ fn train(args: &TrainArgs, jobs: &[Job]) -> anyhow::Result<End> {
         "{} flights, {} usable ticks of {}, {} channels, {} rows, data {}",
         data.flights.len(),
         data.usable_ticks(),
-        data.flights.iter().map(twin::learn::dataset::FlightSeries::ticks).sum::<usize>(),
+        data.flights.iter().map(twin_lab::learn::dataset::FlightSeries::ticks).sum::<usize>(),
         data.channel_names.len(),
         data.output_names.len(),
         &data.hash()[..12],
@@ -235,18 +235,18 @@ fn flights(data: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
 #[cfg(feature = "train")]
 fn one(
     args: &TrainArgs,
-    data: &twin::learn::Dataset,
+    data: &twin_lab::learn::Dataset,
     job: &Job,
 ) -> anyhow::Result<serde_json::Value> {
     use std::ops::ControlFlow;
-    use twin::learn::train::{Progress, Request, train};
+    use twin_lab::learn::train::{Progress, Request, train};
     let (bar, mut words) = (bar(&job.config), String::new());
     let request = Request {
         config: &job.config,
         seed: args.seed,
         resume: args.resume,
         out: &job.out,
-        git: twin::mirror::program::commit(),
+        git: twin_record::program::commit(),
     };
     let mut observe = |progress: Progress| {
         let per_epoch = progress.steps.1 as u64;
@@ -276,8 +276,9 @@ fn one(
         args.seed,
         &outcome.head.data_hash[..12]
     );
-    let picture = twin::learn::curve::svg(&title, &outcome.curve, training.best_epoch as usize)?;
-    twin::learn::file::write_whole(&job.curve, picture.as_bytes())?;
+    let picture =
+        twin_lab::learn::curve::svg(&title, &outcome.curve, training.best_epoch as usize)?;
+    twin_lab::learn::file::write_whole(&job.curve, picture.as_bytes())?;
     let validation = training.validation_loss.unwrap_or(f64::NAN);
     let r2 = 1.0 - validation / outcome.validation_variance;
     if !args.json {

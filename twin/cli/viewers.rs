@@ -7,7 +7,7 @@ use std::process::Command;
 use anyhow::{Context, bail};
 use clap::{Args, Subcommand};
 use sha2::{Digest, Sha256};
-use twin::server::viewers::{DRAKE, MESHCAT, VISER, Wheel};
+use twin_console::server::viewers::{DRAKE, MESHCAT, VISER, Wheel};
 
 use super::End;
 

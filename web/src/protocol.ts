@@ -1,4 +1,4 @@
-// Generated from twin/server/protocol.rs and twin/mirror/scene.rs; do not edit.
+// Generated from twin/console/src/server/protocol.rs and twin/record/src/scene.rs; do not edit.
 // Refresh: TWIN_UPDATE=1 cargo test --release protocol_ts
 
 export const PROTOCOL_VERSION = 2;

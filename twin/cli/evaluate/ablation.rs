@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 use clap::Args;
-use twin::evaluate::ablation::{
+use twin_lab::evaluate::ablation::{
     VARIANTS, Variant, flown, measure, over_horizon, sheet, statistics,
 };
-use twin::scenario::Scenario;
+use twin_scenario::Scenario;
 
 use super::output::Output;
 use crate::cli::{End, Overrides, read_weights};

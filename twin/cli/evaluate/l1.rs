@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use twin::evaluate::Sheet;
-use twin::evaluate::sheet::figure;
-use twin::scenario::table::{Job, Line, condense, fly_all};
+use twin_lab::evaluate::Sheet;
+use twin_lab::evaluate::sheet::figure;
+use twin_scenario::table::{Job, Line, condense, fly_all};
 
 use super::output::Output;
 use crate::cli::{End, Overrides};

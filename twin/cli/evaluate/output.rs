@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Args;
-use twin::evaluate::{Sheet, pictures_page};
+use twin_lab::evaluate::{Sheet, pictures_page};
 
 /// What every table takes.
 #[derive(Args)]

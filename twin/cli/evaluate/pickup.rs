@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use twin::evaluate::Sheet;
-use twin::evaluate::pickup::{Flown, MODES, pick_up, pictures};
-use twin::scenario::{Scenario, side_by_side};
+use twin_lab::evaluate::Sheet;
+use twin_lab::evaluate::pickup::{Flown, MODES, pick_up, pictures};
+use twin_scenario::{Scenario, side_by_side};
 
 use super::output::Output;
 use crate::cli::{End, Overrides};

@@ -5,12 +5,12 @@ use std::path::PathBuf;
 use anyhow::Context;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
-use twin::evaluate::entrants::{Candidate, trained, unfilled, untrained, untrained_names};
-use twin::evaluate::fit::{Baseline, fit};
-use twin::evaluate::prediction::{COLUMNS, Column, rows, spreads};
-use twin::evaluate::{PredictionTable, Series, Statistics, prediction_page};
-use twin::residual::HORIZON;
-use twin::scenario::Scenario;
+use twin_core::residual::HORIZON;
+use twin_lab::evaluate::entrants::{Candidate, trained, unfilled, untrained, untrained_names};
+use twin_lab::evaluate::fit::{Baseline, fit};
+use twin_lab::evaluate::prediction::{COLUMNS, Column, rows, spreads};
+use twin_lab::evaluate::{PredictionTable, Series, Statistics, prediction_page};
+use twin_scenario::Scenario;
 
 use super::output::{Output, write};
 use crate::cli::{End, Overrides, read_weights};

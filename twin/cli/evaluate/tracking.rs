@@ -5,12 +5,12 @@ use std::path::PathBuf;
 use anyhow::Context;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
-use twin::evaluate::Sheet;
-use twin::evaluate::paths::path;
-use twin::evaluate::sheet::figure;
-use twin::scenario::cache::Cache;
-use twin::scenario::table::{COLUMNS, Job, Line, Outcome, PAPER, condense, fly_all};
-use twin::scenario::{Scenario, Verdict, side_by_side};
+use twin_lab::evaluate::Sheet;
+use twin_lab::evaluate::paths::path;
+use twin_lab::evaluate::sheet::figure;
+use twin_scenario::cache::Cache;
+use twin_scenario::table::{COLUMNS, Job, Line, Outcome, PAPER, condense, fly_all};
+use twin_scenario::{Scenario, Verdict, side_by_side};
 
 use super::output::Output;
 use crate::cli::{End, Overrides, read_weights};

@@ -1,0 +1,99 @@
+//! A recorded flight for the two other viewers: a page of MeshCat's that plays it, and viser's recording, alone or in a page.
+//!
+//! In: a [`Recording`], and for a page the viewer's own files. Out: a file that needs no server. State: none.
+
+use std::path::{Path, PathBuf};
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+
+use super::{ReplayError, fill, json_part};
+use crate::server::viewers::{MESHCAT, VISER, Wheel, export};
+use twin_record::scene::Scene;
+use twin_record::{Recording, read_recording};
+
+/// Slow enough to be small: a flight is written once.
+const COMPRESSION_LEVEL: i32 = 9;
+
+/// As meshcat-python writes its own static page.
+const MESHCAT_PAGE: &str = "<!doctype html>
+<html lang=\"en\">
+<head><meta charset=\"utf-8\"><title>/*title*/</title>
+<style>body { margin: 0 } #meshcat-pane { width: 100vw; height: 100vh; overflow: hidden }</style></head>
+<body><div id=\"meshcat-pane\"></div>
+<script>/*viewer*/</script>
+<script>
+  const viewer = new MeshCat.Viewer(document.getElementById(\"meshcat-pane\"));
+  globalThis.viewer = viewer;
+  for (const command of [/*commands*/])
+    viewer.handle_command_bytearray(Uint8Array.from(atob(command), (c) => c.charCodeAt(0)));
+</script></body></html>
+";
+
+/// Writes a page that plays the recording at `from` in MeshCat's viewer, which lies below `viewers`.
+///
+/// # Errors
+/// [`ReplayError`] if the recording is not usable, the viewer is not there, or the page cannot be written.
+pub fn export_meshcat(from: &Path, to: &Path, viewers: Option<&Path>) -> Result<(), ReplayError> {
+    let viewer = viewer_file(MESHCAT, "main.min.js", viewers)?;
+    let recording = read_recording(from)?;
+    let commands = export::meshcat(&scene(&recording)?, &recording.ticks);
+    let commands: Vec<String> =
+        commands.iter().map(|bytes| format!("\"{}\"", STANDARD.encode(bytes))).collect();
+    let title = recording.metadata.get("scenario").map_or("flight", String::as_str);
+    let title: String = title.chars().filter(|c| !matches!(c, '<' | '>' | '&')).collect();
+    let parts = [
+        ("/*title*/", title.as_str()),
+        ("/*viewer*/", viewer.as_str()),
+        ("/*commands*/", &commands.join(",")),
+    ];
+    let page = fill(MESHCAT_PAGE, &parts).ok_or_else(|| unusable(MESHCAT, "main.min.js"))?;
+    write(to, page.as_bytes())
+}
+
+/// Writes the recording at `from` as viser's: as a page with viser's client, which lies below `viewers`, if `to` ends in
+/// `html`, else alone.
+///
+/// # Errors
+/// [`ReplayError`] if the recording is not usable, the viewer is not there, or the file cannot be written.
+pub fn export_viser(from: &Path, to: &Path, viewers: Option<&Path>) -> Result<(), ReplayError> {
+    let is_page = to.extension().is_some_and(|ending| ending == "html");
+    let client = is_page.then(|| viewer_file(VISER, "index.html", viewers)).transpose()?;
+    let recording = read_recording(from)?;
+    let inner = export::viser(&scene(&recording)?, &recording.ticks);
+    let mut bytes = (inner.len() as u64).to_le_bytes().to_vec();
+    bytes.extend(zstd::bulk::compress(&inner, COMPRESSION_LEVEL)?);
+    let Some(client) = client else { return write(to, &bytes) };
+    // What viser's own `as_html` puts in.
+    let data = format!(
+        "<script>window.__VISER_EMBED_DATA__=\"{}\";window.__VISER_EMBED_CONFIG__={{darkMode:false}};</script></head>",
+        STANDARD.encode(bytes)
+    );
+    let page = fill(&client, &[("</head>", &data)]).ok_or_else(|| unusable(VISER, "index.html"))?;
+    write(to, page.as_bytes())
+}
+
+fn scene(recording: &Recording) -> Result<Scene, ReplayError> {
+    json_part(recording.attachments.get("scene.json"), "scene.json")
+}
+
+fn viewer_file(
+    wheel: Wheel,
+    name: &'static str,
+    viewers: Option<&Path>,
+) -> Result<String, ReplayError> {
+    let folder = viewers.map(|folder| folder.join(wheel.folder()));
+    let path = folder.unwrap_or_else(|| PathBuf::from(wheel.folder())).join(name);
+    std::fs::read_to_string(&path)
+        .map_err(|error| ReplayError::NoViewer { path, why: error.to_string() })
+}
+
+fn unusable(wheel: Wheel, name: &str) -> ReplayError {
+    let path = PathBuf::from(wheel.folder()).join(name);
+    ReplayError::NoViewer { path, why: "it is not the pinned file".to_owned() }
+}
+
+fn write(to: &Path, bytes: &[u8]) -> Result<(), ReplayError> {
+    std::fs::write(to, bytes)
+        .map_err(|error| ReplayError::Write { path: to.to_owned(), why: error.to_string() })
+}

@@ -1,0 +1,122 @@
+//! Files that Foxglove asks for by name: the vehicle's URDF, and the meshes in its packages. Nothing else is read.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use crate::server::hub::Hub;
+use twin_scenario::VehicleFiles;
+
+/// Address of the URDF of the vehicle that flies.
+const URDF: &str = "package://twin/vehicle.urdf";
+
+/// Kinds of files that a URDF brings along.
+const KINDS: [&str; 10] =
+    ["urdf", "xacro", "stl", "obj", "mtl", "dae", "glb", "png", "jpg", "jpeg"];
+
+/// Largest file, bytes.
+const MOST_BYTES: u64 = 32 * 1024 * 1024;
+
+/// Longest address that is looked at, bytes.
+const LONGEST_ADDRESS: usize = 512;
+
+/// The files of the vehicles.
+#[derive(Clone)]
+pub(super) struct Assets {
+    hub: Arc<Hub>,
+    vehicles: Arc<BTreeMap<String, VehicleFiles>>,
+}
+
+impl Assets {
+    pub(super) fn new(hub: Arc<Hub>, vehicles: Arc<BTreeMap<String, VehicleFiles>>) -> Self {
+        Self { hub, vehicles }
+    }
+
+    /// Reads a file; blocks for the disk.
+    ///
+    /// # Errors
+    /// A sentence if there is no such file, or none that may be read.
+    pub(super) fn read(&self, address: &str) -> Result<Vec<u8>, String> {
+        let scenario = self.hub.published().state.scenario;
+        let vehicle = self.vehicles.get(&scenario).ok_or_else(|| {
+            "no assets: a recording that is mirrored has no vehicle of its own".to_owned()
+        })?;
+        let path = locate(address, vehicle)?;
+        let unreadable = |error: std::io::Error| format!("cannot read {address}: {error}");
+        let size = std::fs::metadata(&path).map_err(unreadable)?.len();
+        if size > MOST_BYTES {
+            return Err(format!("{address} has {size} bytes; allowed: up to {MOST_BYTES}"));
+        }
+        std::fs::read(&path).map_err(unreadable)
+    }
+}
+
+/// Where a file lies that may be read: inside the folder of its package, also behind links.
+fn locate(address: &str, vehicle: &VehicleFiles) -> Result<PathBuf, String> {
+    if address == URDF {
+        return Ok(vehicle.urdf.clone());
+    }
+    let names: Vec<&str> = vehicle.packages.iter().map(|(name, _)| name.as_str()).collect();
+    let refused = || {
+        let shown: String = address.chars().take(100).collect();
+        format!(
+            "no asset {shown:?}; allowed: {URDF} and the meshes and pictures of the packages {names:?} as package://NAME/PATH"
+        )
+    };
+    let path = address.strip_prefix("package://").filter(|_| address.len() <= LONGEST_ADDRESS);
+    let (name, path) = path.and_then(|path| path.split_once('/')).ok_or_else(refused)?;
+    let (_, folder) =
+        vehicle.packages.iter().find(|(known, _)| known == name).ok_or_else(refused)?;
+    let kind = Path::new(path).extension().and_then(|kind| kind.to_str()).unwrap_or("");
+    if !KINDS.contains(&kind.to_ascii_lowercase().as_str()) {
+        return Err(refused());
+    }
+    let folder = folder.canonicalize().map_err(|_| refused())?;
+    let file = folder.join(path).canonicalize().map_err(|_| refused())?;
+    if file.starts_with(&folder) && file.is_file() { Ok(file) } else { Err(refused()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_meshes_inside_the_folder_of_a_package_are_found() {
+        let root = std::env::temp_dir().join(format!("twin-assets-{}", std::process::id()));
+        let folder = root.join("meshes");
+        std::fs::create_dir_all(folder.join("arm")).expect("a folder");
+        for file in ["meshes/arm/link.STL", "meshes/notes.txt", "secret.stl"] {
+            std::fs::write(root.join(file), "x").expect("a file");
+        }
+        #[cfg(unix)]
+        std::os::unix::fs::symlink(root.join("secret.stl"), folder.join("out.stl"))
+            .expect("a link");
+        let vehicle = VehicleFiles {
+            urdf: root.join("robot.urdf"),
+            packages: vec![("robot".to_owned(), folder.clone())],
+            joints: Vec::new(),
+        };
+        let found = locate("package://robot/arm/link.STL", &vehicle).expect("it is there");
+        assert!(found.ends_with("meshes/arm/link.STL"));
+        assert_eq!(locate(URDF, &vehicle), Ok(root.join("robot.urdf")));
+        let absolute = format!("package://robot/{}", root.join("secret.stl").display());
+        for refused in [
+            "package://robot/../secret.stl",
+            "package://robot/arm/../../secret.stl",
+            "package://robot/out.stl",
+            "package://robot/notes.txt",
+            "package://robot/missing.stl",
+            "package://robot/arm",
+            "package://other/arm/link.STL",
+            "package://robot",
+            "file:///etc/passwd",
+            "/etc/passwd",
+            "",
+            absolute.as_str(),
+        ] {
+            let error = locate(refused, &vehicle).expect_err(refused);
+            assert!(error.contains("package://twin/vehicle.urdf"), "{refused}: {error}");
+        }
+        std::fs::remove_dir_all(root).expect("its own folder");
+    }
+}

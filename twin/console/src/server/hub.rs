@@ -1,0 +1,281 @@
+//! What the flight publishes and who listens. The flight never waits here longer than it takes to copy a few pointers.
+//!
+//! A client that joins is given a snapshot and its place in the list under one lock, so it misses nothing that follows.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use tokio::sync::Notify;
+
+use crate::server::outbox::{Farewell, Message, Outbox, Past, Told};
+use crate::server::protocol::{FlightPhase, Notice, NoticeLevel, ServerMessage};
+use crate::server::published::Published;
+use crate::server::telemetry::Picture;
+use twin_core::tick::Tick;
+
+/// Clients that may be connected at once.
+pub(super) const MOST_CLIENTS: usize = 256;
+
+/// One connected client.
+#[derive(Debug)]
+pub(super) struct Client {
+    /// Its number.
+    pub id: u64,
+    /// Something waits in the outbox.
+    pub wake: Notify,
+    outbox: Mutex<Outbox>,
+}
+
+impl Client {
+    /// What waits for it.
+    pub(super) fn outbox(&self) -> MutexGuard<'_, Outbox> {
+        self.outbox.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// A word to this client alone; dropped if it does not read.
+    pub(super) fn notice(&self, level: NoticeLevel, text: impl Into<String>) {
+        self.say(ServerMessage::Notice(Notice { level, text: text.into() }));
+    }
+
+    /// A message to this client alone; dropped if it does not read.
+    pub(super) fn say(&self, message: ServerMessage) {
+        if !self.outbox().push_message(Message::Told(Arc::new(message.into()))) {
+            tracing::debug!("client {} does not read; a message to it was dropped", self.id);
+        }
+        self.wake.notify_one();
+    }
+
+    /// Closes the connection with a reason.
+    pub(super) fn close(&self, code: u16, reason: impl Into<String>) {
+        self.outbox().close(Farewell { code, reason: reason.into() });
+        self.wake.notify_one();
+    }
+}
+
+struct Shared {
+    published: Published,
+    past: Past,
+    clients: BTreeMap<u64, Arc<Client>>,
+    next_id: u64,
+    flying: bool,
+    /// Ticks are remembered and not yet given to anybody.
+    holding: bool,
+}
+
+/// The meeting point of flight and clients.
+pub(super) struct Hub {
+    shared: Mutex<Shared>,
+    crowd: AtomicU32,
+}
+
+impl Hub {
+    /// A hub without clients.
+    pub(super) fn new(published: Published) -> Self {
+        Self {
+            shared: Mutex::new(Shared {
+                published,
+                past: Past::default(),
+                clients: BTreeMap::new(),
+                next_id: 1,
+                flying: true,
+                holding: false,
+            }),
+            crowd: AtomicU32::new(0),
+        }
+    }
+
+    /// How many clients there are, without waiting for anybody.
+    pub(super) fn crowd(&self) -> u32 {
+        self.crowd.load(Ordering::Relaxed)
+    }
+
+    fn shared(&self) -> MutexGuard<'_, Shared> {
+        self.shared.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Takes a client in; `None` if there are too many.
+    pub(super) fn join(&self) -> Option<Arc<Client>> {
+        let mut shared = self.shared();
+        if shared.clients.len() >= MOST_CLIENTS {
+            return None;
+        }
+        let client =
+            Arc::new(Client { id: shared.next_id, wake: Notify::new(), outbox: Mutex::default() });
+        shared.next_id += 1;
+        shared.clients.insert(client.id, Arc::clone(&client));
+        shared.published.state.clients = shared.clients.len();
+        self.crowd.store(shared.clients.len() as u32, Ordering::Relaxed);
+        let mut outbox = client.outbox();
+        outbox.begin(shared.published.schema_id, false);
+        outbox.start_over(Arc::new(shared.published.clone()));
+        if !shared.holding {
+            outbox.catch_up(&shared.past);
+        }
+        drop(outbox);
+        client.wake.notify_one();
+        Some(client)
+    }
+
+    /// Lets a client go.
+    pub(super) fn leave(&self, id: u64) {
+        let mut shared = self.shared();
+        shared.clients.remove(&id);
+        shared.published.state.clients = shared.clients.len();
+        self.crowd.store(shared.clients.len() as u32, Ordering::Relaxed);
+    }
+
+    /// What is published now.
+    pub(super) fn published(&self) -> Published {
+        self.shared().published.clone()
+    }
+
+    /// The flight thread runs.
+    pub(super) fn is_flying(&self) -> bool {
+        self.shared().flying
+    }
+
+    /// The flight thread ended.
+    pub(super) fn landed(&self) {
+        self.shared().flying = false;
+    }
+
+    /// Whether ticks are flown.
+    pub(super) fn phase(&self) -> FlightPhase {
+        self.shared().published.state.phase
+    }
+
+    /// Simulated time of the newest tick, s.
+    pub(super) fn simulated_s(&self) -> f64 {
+        self.shared().published.state.t_s
+    }
+
+    /// A tick for everybody, also for those who join later.
+    pub(super) fn tick(&self, tick: &Tick, draw: impl FnOnce() -> (Arc<[f32]>, Arc<Picture>)) {
+        let (row, picture) = draw();
+        let clients: Vec<Arc<Client>> = {
+            let mut shared = self.shared();
+            shared.published.state.tick = tick.index + 1;
+            shared.published.state.t_s = tick.measurement.t_s;
+            shared.past.push_tick(tick.index, Arc::clone(&row), Arc::clone(&picture));
+            if shared.holding {
+                return;
+            }
+            shared.clients.values().cloned().collect()
+        };
+        for client in clients {
+            client.outbox().push_tick(tick.index, Arc::clone(&row), Arc::clone(&picture));
+            client.wake.notify_one();
+        }
+    }
+
+    /// Ticks from here to [`Self::release`] come faster than anybody reads them: they are remembered only.
+    pub(super) fn hold(&self) {
+        self.shared().holding = true;
+    }
+
+    /// Gives everybody the ticks that were held back, as the past of what follows.
+    pub(super) fn release(&self) {
+        let mut shared = self.shared();
+        shared.holding = false;
+        for client in shared.clients.values() {
+            client.outbox().catch_up(&shared.past);
+            client.wake.notify_one();
+        }
+    }
+
+    /// Changes what is published and tells everybody; a client that lets its messages pile up is sent everything anew.
+    pub(super) fn publish(&self, change: impl FnOnce(&mut Published) -> Vec<ServerMessage>) {
+        let mut shared = self.shared();
+        let messages: Vec<Arc<Told>> = change(&mut shared.published)
+            .into_iter()
+            .map(|message| Arc::new(Told::from(message)))
+            .collect();
+        for client in shared.clients.values() {
+            let mut outbox = client.outbox();
+            if !messages.iter().all(|told| outbox.push_message(Message::Told(Arc::clone(told)))) {
+                outbox.start_over(Arc::new(shared.published.clone()));
+            }
+            drop(outbox);
+            client.wake.notify_one();
+        }
+    }
+
+    /// Publishes a flight that starts anew.
+    pub(super) fn restart(&self, published: Published) {
+        let mut shared = self.shared();
+        shared.published = published;
+        shared.past = Past::default();
+        shared.published.state.clients = shared.clients.len();
+        let published = Arc::new(shared.published.clone());
+        let reset = Arc::new(Told::from(ServerMessage::Reset {}));
+        for client in shared.clients.values() {
+            let mut outbox = client.outbox();
+            outbox.begin(published.schema_id, true);
+            let fits = outbox.push_message(Message::Told(Arc::clone(&reset)))
+                && outbox.push_message(Message::Hello(Arc::clone(&published)));
+            if !fits {
+                outbox.start_over(Arc::clone(&published));
+            }
+            drop(outbox);
+            client.wake.notify_one();
+        }
+    }
+
+    /// A word to one client, or to everybody.
+    pub(super) fn notice(&self, client: Option<u64>, level: NoticeLevel, text: &str) {
+        let shared = self.shared();
+        for listener in
+            shared.clients.values().filter(|listener| client.is_none_or(|id| id == listener.id))
+        {
+            listener.notice(level, text);
+        }
+    }
+
+    /// Closes every connection.
+    pub(super) fn close_all(&self, reason: &str) {
+        for client in self.shared().clients.values() {
+            client.close(1001, reason);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::server::outbox::MOST_ROWS;
+    use crate::server::sortie::Sortie;
+    use twin_scenario::Scenario;
+
+    const HOVER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/hover.toml");
+
+    #[test]
+    fn ticks_that_come_faster_than_anybody_reads_reach_everybody_as_one_past() {
+        let scenario = Scenario::load(Path::new(HOVER), &[]).unwrap();
+        let mut sortie = Sortie::new(scenario).unwrap();
+        let hub = Hub::new(sortie.published(Arc::default(), None, false));
+        let before = hub.join().unwrap();
+        let mut fly = |ticks: usize| {
+            for _ in 0..ticks {
+                let tick = sortie.flight.tick();
+                hub.tick(&tick, || sortie.draw(&tick));
+            }
+        };
+        hub.hold();
+        fly(MOST_ROWS);
+        let meanwhile = hub.join().unwrap();
+        fly(MOST_ROWS);
+        assert!(meanwhile.outbox().take().telemetry.is_none());
+        hub.release();
+        fly(1);
+        for client in [before, meanwhile] {
+            let telemetry = client.outbox().take().telemetry.unwrap();
+            assert_eq!(
+                (telemetry.first_tick, telemetry.rows.len(), telemetry.gap),
+                (0, 2 * MOST_ROWS + 1, 0)
+            );
+        }
+    }
+}

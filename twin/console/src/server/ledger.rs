@@ -1,0 +1,106 @@
+//! What is said about gains that change: a slider that is dragged makes two events, at its start and where it comes to
+//! rest, not fifty.
+
+use std::collections::BTreeMap;
+
+use twin_core::elementary::{log10, powi};
+use twin_core::tuning::Tuning;
+
+/// A gain at rest for this long has its new value, ticks.
+const REST_TICKS: u64 = 50;
+
+/// Nothing is said about one gain for this long after an event, ticks.
+const QUIET_TICKS: u64 = 100;
+
+/// One gain that changed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Entry {
+    /// Value at the last event.
+    told: f64,
+    told_at: u64,
+    now: f64,
+    changed_at: u64,
+}
+
+/// Gains about which something was said.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Ledger {
+    entries: BTreeMap<String, Entry>,
+}
+
+impl Ledger {
+    /// Gain `name` goes from one value to another at `tick`; the sentence to be said at once, if any.
+    pub(super) fn change(&mut self, name: &str, [from, to]: [f64; 2], tick: u64) -> Option<String> {
+        if let Some(entry) = self.entries.get_mut(name) {
+            (entry.now, entry.changed_at) = (to, tick);
+            return None;
+        }
+        let entry = Entry { told: to, told_at: tick, now: to, changed_at: tick };
+        self.entries.insert(name.to_owned(), entry);
+        Some(sentence(name, from, to))
+    }
+
+    /// Sentences about the gains that have come to rest before `tick`; forgets those that stay.
+    pub(super) fn settle(&mut self, tick: u64) -> Vec<String> {
+        let mut said = Vec::new();
+        for (name, entry) in &mut self.entries {
+            let rests = tick.saturating_sub(entry.changed_at) >= REST_TICKS;
+            if rests && entry.now.to_bits() != entry.told.to_bits() {
+                said.push(sentence(name, entry.told, entry.now));
+                (entry.told, entry.told_at) = (entry.now, tick);
+            }
+        }
+        self.entries.retain(|_, entry| {
+            entry.now.to_bits() != entry.told.to_bits()
+                || tick.saturating_sub(entry.told_at) < QUIET_TICKS
+        });
+        said
+    }
+}
+
+fn sentence(name: &str, from: f64, to: f64) -> String {
+    let parameters = Tuning::parameters();
+    let label = parameters.iter().find(|parameter| parameter.name == name);
+    let label = label.map_or(name, |parameter| parameter.label.as_str());
+    format!("{label} ({name}) {} -> {}", short(from), short(to))
+}
+
+/// At most six significant digits.
+fn short(value: f64) -> f64 {
+    if value == 0.0 || !value.is_finite() {
+        return value;
+    }
+    let scale = powi(10_f64, 5 - log10(value.abs()).floor() as i32);
+    (value * scale).round() / scale
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_drag_is_told_at_its_start_and_where_it_ends() {
+        let mut ledger = Ledger::default();
+        let mut said = Vec::new();
+        let value = |step: u64| 3.5 + step as f64 * 0.1;
+        for tick in 0..400_u64 {
+            if tick.is_multiple_of(2) && tick < 100 {
+                let step = tick / 2;
+                said.extend(ledger.change("damping.z", [value(step), value(step + 1)], tick));
+            }
+            said.extend(ledger.settle(tick));
+        }
+        assert_eq!(said, ["Λ z (damping.z) 3.5 -> 3.6", "Λ z (damping.z) 3.6 -> 8.5"]);
+        assert_eq!(ledger, Ledger::default(), "a gain at rest is forgotten");
+    }
+
+    #[test]
+    fn two_gains_are_told_apart_and_a_value_that_comes_back_is_told_once() {
+        let mut ledger = Ledger::default();
+        assert!(ledger.change("leak", [2.0, 3.0], 0).is_some());
+        assert!(ledger.change("forgetting", [0.99, 0.98], 0).is_some());
+        assert_eq!(ledger.change("leak", [3.0, 4.0], 10), None);
+        assert_eq!(ledger.change("leak", [4.0, 3.0], 20), None);
+        assert!((20..300).all(|tick| ledger.settle(tick).is_empty()));
+    }
+}

@@ -1,0 +1,277 @@
+//! What a mirrored flight is for the server: the recording in shadow, a stand-in to draw, and which numbers of a row are known.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use crate::server::logbook::Logbook;
+use crate::server::pilot::{Mission, Orders};
+use crate::server::place::{Beside, Place};
+use crate::server::protocol::{ChannelInfo, ClientMessage, MirrorInfo, TwinAxis, TwinInfo};
+use crate::server::running::{Running, watch};
+use crate::server::{ServerError, launch};
+use twin_core::notation::{ROWS, TICK_S};
+use twin_foreign::divergence::HORIZONS;
+use twin_foreign::shadow::{GHOST_TICKS, PREDICTOR};
+use twin_foreign::{Flyer, Light, Shadow, Twin};
+use twin_foreign::{Live, OpenedFlight};
+
+/// A seek flies the shadow from so many ticks before: the adapter forgets within a second, and the charts have a past.
+const WARM_UP_TICKS: usize = 1000;
+
+/// A flight that still goes on is played so far behind its newest tick, which come a few at a time.
+const BEHIND_TICKS: usize = 6;
+
+/// Groups of channels that nobody acts in: a recorded vehicle has its own controller.
+pub(super) const NOT_IN_FORCE: [&str; 4] = ["robust", "actuators", "gripper", "world"];
+
+/// Which recording to serve.
+pub struct MirrorOptions {
+    /// The recording.
+    pub opened: OpenedFlight,
+    /// Where it comes from, if it still goes on.
+    pub live: Option<Live>,
+    /// Where to listen: a loopback name or address.
+    pub host: String,
+    /// Where to listen; 0 takes any free port.
+    pub port: u16,
+    /// Seconds of the recording per second; `None` is as fast as the machine can.
+    pub speed: Option<f64>,
+    /// Where to start, s.
+    pub start_s: f64,
+    /// Wait for an operator.
+    pub start_paused: bool,
+    /// Folder with the stock viewers, as `twin viewers fetch` leaves it; `None` if there is none.
+    pub viewer_dir: Option<PathBuf>,
+    /// Port for Foxglove, 0 for any free one; `None` for no such server.
+    pub foxglove_port: Option<u16>,
+}
+
+/// Serves a recording until Ctrl+C.
+///
+/// # Errors
+/// [`ServerError`] if it cannot start.
+pub fn serve_mirror(options: MirrorOptions) -> Result<(), ServerError> {
+    watch(spawn_mirror(options)?)
+}
+
+/// Serves a recording in the background.
+///
+/// # Errors
+/// [`ServerError`] if it cannot start.
+pub fn spawn_mirror(options: MirrorOptions) -> Result<Running, ServerError> {
+    let mirrored = Arc::new(Mirrored::new(&options.opened, options.live.map(Arc::new)));
+    let tuning = *mirrored.shadow.tuning();
+    let orders = Orders {
+        mission: Mission::Mirror { mirrored, start_s: options.start_s },
+        catalogue: Vec::new(),
+        speed: options.speed,
+        start_paused: options.start_paused,
+        logbook: Logbook::new(None),
+    };
+    // A recording has no vehicle of ours, and so no files of one; of its joints it says the angles.
+    let foxglove = options.foxglove_port.map(|port| Beside {
+        port,
+        vehicles: BTreeMap::new(),
+        recorded_joints: options.opened.recorded.joint_names.clone(),
+    });
+    let MirrorOptions { host, port, viewer_dir, .. } = options;
+    launch(orders, &tuning, true, Place { host, port, viewer_dir, foxglove })
+}
+
+/// A recording that is played.
+pub(super) struct Mirrored {
+    /// What clients are told.
+    pub info: MirrorInfo,
+    /// The flight.
+    pub shadow: Shadow,
+    /// The twin that flies beside it.
+    flyer: Flyer,
+    /// Name of the file.
+    pub name: String,
+    /// The file.
+    pub path: PathBuf,
+    /// Where it comes from, if it still goes on, and what it was when it was opened.
+    live: Option<(Arc<Live>, u64)>,
+}
+
+impl Mirrored {
+    /// What is kept of an opened recording.
+    pub(super) fn new(opened: &OpenedFlight, live: Option<Arc<Live>>) -> Self {
+        let live = live.map(|live| {
+            let generation = live.generation();
+            (live, generation)
+        });
+        let recorded = &opened.recorded;
+        let shadow = Shadow::of(opened);
+        let flyer = Flyer::new(shadow.film(), opened, Twin::of(opened));
+        let known =
+            |row: usize| (0..recorded.instants.len()).any(|t| recorded.residual_counts(t, row));
+        let unknown = ROWS.iter().enumerate().filter(|(row, _)| !known(*row));
+        let vehicle = &opened.map.vehicle.name;
+        let vehicle = if vehicle.is_empty() { "unknown vehicle" } else { vehicle };
+        let joints = match &recorded.joint_names[..] {
+            [] => "no joint is in the recording".to_owned(),
+            names => format!("its joints {} are in the charts only", names.join(", ")),
+        };
+        let (force, torque) = (opened.force_sentence(), opened.torque_sentence());
+        let info = MirrorInfo {
+            file: live.as_ref().map_or_else(|| opened.name(), |(live, _)| live.name().to_owned()),
+            map: opened.map_name.clone(),
+            vehicle: vehicle.to_owned(),
+            stand_in: format!("a plain quadrotor is drawn for the vehicle, {joints}"),
+            ghost: format!(
+                "where the twin expected the vehicle from what it knew {:.1} s before",
+                GHOST_TICKS as f64 * TICK_S
+            ),
+            predictor: PREDICTOR.to_owned(),
+            force: if opened.per_kilogram() {
+                format!("{force}; the mass is unknown, so forces are per kilogram; {torque}")
+            } else {
+                format!("{force}; mass in use {:.3} kg; {torque}", recorded.mass_kg)
+            },
+            unknown_rows: unknown.map(|(_, row)| (*row).to_owned()).collect(),
+            ticks: shadow.ticks() as u64,
+            duration_s: shadow.ticks() as f64 * TICK_S,
+            live: live.is_some(),
+            notes: [&opened.survey.container.problems[..], &opened.signals.notes[..]].concat(),
+        };
+        Self { info, shadow, flyer, name: opened.name(), path: opened.path.clone(), live }
+    }
+
+    /// The stream anew, if there is more to know of it.
+    pub(super) fn renewed(&self) -> Option<Self> {
+        let (live, generation) = self.live.as_ref()?;
+        if live.generation() == *generation {
+            return None;
+        }
+        Some(Self::new(&live.opened()?, Some(Arc::clone(live))))
+    }
+
+    /// It still goes on.
+    pub(super) fn is_live(&self) -> bool {
+        self.live.is_some()
+    }
+
+    /// It should go on, and nothing comes.
+    pub(super) fn is_lost(&self) -> bool {
+        self.live.as_ref().is_some_and(|(live, _)| !live.is_up())
+    }
+
+    /// What happened to the stream since the last call, a sentence each.
+    pub(super) fn news(&self) -> Vec<String> {
+        self.live.as_ref().map_or_else(Vec::new, |(live, _)| live.news())
+    }
+
+    /// How far the twin is from the flight at `tick`, having started half a second before.
+    pub(super) fn beside(&self, tick: usize) -> TwinInfo {
+        // A little earlier, so that nothing after the tick is needed: of a stream there is nothing yet.
+        let start = tick.checked_sub(self.flyer.reach(HORIZONS[1]));
+        let misses = start.and_then(|start| self.flyer.half_second(start));
+        let axis = |(row, miss): (&&str, &twin_foreign::Miss)| {
+            let (twin, with_residual, coasting) = (miss.twin?, miss.with_residual?, miss.coasting?);
+            Some(TwinAxis { row: (*row).to_owned(), twin, with_residual, coasting })
+        };
+        TwinInfo {
+            says: self.flyer.says().to_owned(),
+            horizon_s: HORIZONS[1] as f64 * TICK_S,
+            light: misses.as_ref().and_then(Light::worst),
+            axes: misses.iter().flat_map(|m| ROWS.iter().zip(m)).filter_map(axis).collect(),
+        }
+    }
+
+    /// The tick at `t_s` of the recording, inside it.
+    pub(super) fn tick_at(&self, t_s: f64) -> usize {
+        let behind = if self.is_live() { BEHIND_TICKS } else { 0 };
+        let last = self.shadow.ticks().saturating_sub(1 + behind);
+        ((t_s / TICK_S).round().max(0.0) as usize).min(last)
+    }
+
+    /// The tick to start at for a look at `t_s`, and how many ticks are flown before it is seen: one at least, so that there
+    /// is something to see.
+    pub(super) fn run_up(&self, t_s: f64) -> (usize, usize) {
+        let target = self.tick_at(t_s);
+        let first = target.saturating_sub(WARM_UP_TICKS);
+        (first, target - first + 1)
+    }
+
+    /// Position and attitude are known at `tick`.
+    pub(super) fn is_seen(&self, tick: usize) -> bool {
+        self.shadow.film().known(tick).0[..6].iter().all(|known| *known)
+    }
+
+    /// `row` of telemetry with everything that is not known at `tick` as NaN.
+    pub(super) fn mask(&self, infos: &[ChannelInfo], row: &[f32], tick: usize) -> Arc<[f32]> {
+        let (coordinates, residuals) = self.shadow.film().known(tick);
+        let known = |info: &ChannelInfo| {
+            let index =
+                info.row.as_ref().and_then(|row| ROWS.iter().position(|known| known == row));
+            match index {
+                Some(index) if info.name.starts_with("chi.") => coordinates[index],
+                Some(index) => residuals[index],
+                None => true,
+            }
+        };
+        infos.iter().zip(row).map(|(info, v)| if known(info) { *v } else { f32::NAN }).collect()
+    }
+}
+
+/// Why `message` makes no sense in a mirrored flight, or in one that is none.
+pub(super) fn refusal(message: &ClientMessage, mirrored: bool) -> Option<&'static str> {
+    match message {
+        ClientMessage::Seek { .. } if !mirrored => Some(
+            "seek refused: a simulated flight has no later part yet; restart it, or mirror its recording",
+        ),
+        _ if !mirrored => None,
+        ClientMessage::Disturb { .. } => {
+            Some("refused: this flight was flown already; nothing can be done to its vehicle")
+        }
+        ClientMessage::Preset { .. } => Some(
+            "preset refused: the recorded vehicle flies its own controller; only the gains of the adapter are in force",
+        ),
+        ClientMessage::SetGain { name, .. } if !acts_in_shadow(name) => Some(
+            "gain refused: the recorded vehicle flies its own controller; only the gains of the adapter are in force",
+        ),
+        ClientMessage::Restart { seed: Some(_), .. }
+        | ClientMessage::Restart { scenario: Some(_), .. } => Some(
+            "restart refused: a recording has no seed and no other scenario; allowed: restart without either, seek",
+        ),
+        _ => None,
+    }
+}
+
+/// Gains of the adapter: they change what is predicted, and nothing else.
+pub(super) fn acts_in_shadow(name: &str) -> bool {
+    let parameters = twin_core::tuning::Tuning::parameters();
+    // An unknown name is refused with the list of names instead.
+    parameters.iter().find(|known| known.name == name).is_none_or(|known| known.group == "Adapter")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn message(text: &str) -> ClientMessage {
+        serde_json::from_str(text).expect(text)
+    }
+
+    #[test]
+    fn what_makes_no_sense_on_a_recording_is_refused_and_transport_is_not() {
+        for (text, refused) in [
+            (r#"{"type":"pause","paused":true}"#, false),
+            (r#"{"type":"step","ticks":1}"#, false),
+            (r#"{"type":"speed","value":20}"#, false),
+            (r#"{"type":"seek","t_s":3.5}"#, false),
+            (r#"{"type":"restart","seed":null,"scenario":null}"#, false),
+            (r#"{"type":"restart","seed":3,"scenario":null}"#, true),
+            (r#"{"type":"set_gain","name":"forgetting","value":0.98}"#, false),
+            (r#"{"type":"set_gain","name":"slope.x","value":1}"#, true),
+            (r#"{"type":"preset","name":"paper"}"#, true),
+            (r#"{"type":"disturb","disturbance":{"kind":"drop_payload"}}"#, true),
+        ] {
+            assert_eq!(refusal(&message(text), true).is_some(), refused, "{text}");
+            let only_seek = text.contains("seek");
+            assert_eq!(refusal(&message(text), false).is_some(), only_seek, "{text}");
+        }
+    }
+}

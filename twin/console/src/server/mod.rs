@@ -1,0 +1,277 @@
+//! The browser's side: one thread flies in real time, everybody watches, operators turn gains.
+//!
+//! In: a [`Scenario`]. Out: `/` (console), `/ws` (see [`protocol`] and [`telemetry`]), `/meshcat/` and `/viser` (the stock
+//! viewers, see [`viewers`]), `/api/health`, `/api/state`, `/api/gains`; on a port of its own a server for Foxglove. The flight thread
+//! ([`pilot`]) never waits for a socket; each client has its own bounded [`outbox`].
+
+mod twin_info;
+pub mod protocol;
+mod ledger;
+mod gains;
+mod command;
+pub mod channels;
+pub mod telemetry;
+mod pace;
+mod published;
+mod outbox;
+mod hub;
+mod world;
+mod logbook;
+mod place;
+mod mirrored;
+mod sortie;
+mod pilot;
+mod rate;
+mod client;
+pub mod viewers;
+mod assets;
+mod metrics;
+mod origin;
+mod override_file;
+mod http;
+#[cfg_attr(not(feature = "foxglove-ws"), path = "no_foxglove.rs")]
+mod foxglove;
+mod running;
+
+#[cfg(test)]
+mod typescript;
+
+pub use mirrored::{MirrorOptions, serve_mirror, spawn_mirror};
+pub use running::Running;
+
+use std::collections::BTreeMap;
+use std::net::{IpAddr, SocketAddr};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::thread::JoinHandle;
+use std::time::Instant;
+
+use axum::serve::ListenerExt as _;
+use tokio::sync::oneshot;
+
+use crate::server::command::Request;
+use crate::server::hub::Hub;
+use crate::server::logbook::Logbook;
+use crate::server::pilot::{Mission, Orders, Pilot};
+use crate::server::place::{Beside, Place};
+use crate::server::protocol::ScenarioInfo;
+use twin_core::tuning::Tuning;
+use twin_record::RecordingError;
+use twin_scenario::{BuildError, Preset, Scenario};
+
+/// Requests that may wait for the flight.
+const MOST_REQUESTS: usize = 1024;
+
+/// What to serve.
+pub struct ServeOptions {
+    /// First flight.
+    pub scenario: Scenario,
+    /// Scenarios that a restart may name.
+    pub catalogue: Vec<Scenario>,
+    /// Where to listen: a loopback name or address.
+    pub host: String,
+    /// Where to listen; 0 takes any free port.
+    pub port: u16,
+    /// Simulated seconds per second; `None` is as fast as the machine can.
+    pub speed: Option<f64>,
+    /// Wait for an operator.
+    pub start_paused: bool,
+    /// MCAP file of the flight; those of restarts are numbered.
+    pub record: Option<PathBuf>,
+    /// Folder with the stock viewers, as `twin viewers fetch` leaves it; `None` if there is none.
+    pub viewer_dir: Option<PathBuf>,
+    /// Port for Foxglove, 0 for any free one; `None` for no such server.
+    pub foxglove_port: Option<u16>,
+}
+
+/// Why a flight cannot be served.
+#[derive(Debug, thiserror::Error)]
+pub enum ServerError {
+    /// The host is no name or address of this machine's loopback.
+    #[error(
+        "host {found:?} refused: anybody who reaches the port can fly; allowed: localhost, 127.0.0.1, ::1; use an ssh tunnel to watch from another machine"
+    )]
+    BeyondLoopback {
+        /// What was asked for.
+        found: String,
+    },
+    /// Somebody else listens there.
+    #[error(
+        "port {port} on {address} is in use, perhaps by another twin; choose another with --port, or 0 for any free one"
+    )]
+    PortInUse {
+        /// The address.
+        address: IpAddr,
+        /// The port.
+        port: u16,
+    },
+    /// The system does not let us listen.
+    #[error("cannot listen on {address}: {source}; choose another port with --port")]
+    Listen {
+        /// Where.
+        address: SocketAddr,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The server for Foxglove cannot start.
+    #[error("no server for Foxglove on port {port}: {why}; choose another with --foxglove-port")]
+    Foxglove {
+        /// The port.
+        port: u16,
+        /// What stands in its way.
+        why: String,
+    },
+    /// The flight cannot be built.
+    #[error(transparent)]
+    Scenario(#[from] BuildError),
+    /// The recording cannot be created.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// The system gives us no thread or no signals.
+    #[error("cannot start the server: {0}")]
+    System(#[from] std::io::Error),
+    /// The flight thread ended before it published anything.
+    #[error("the flight ended before it began; run it with --headless to see why")]
+    NoFlight,
+}
+
+/// What every connection shares.
+struct App {
+    hub: Arc<Hub>,
+    scenarios: Arc<Vec<ScenarioInfo>>,
+    /// Values that are in range, to try a change on.
+    tuning: Tuning,
+    /// A recording is mirrored.
+    mirrored: bool,
+    requests: SyncSender<Request>,
+    viewer_dir: Option<PathBuf>,
+    started: Instant,
+}
+
+impl App {
+    /// Time since the server started, s.
+    fn uptime_s(&self) -> f64 {
+        self.started.elapsed().as_secs_f64()
+    }
+}
+
+/// Serves a flight until Ctrl+C.
+///
+/// # Errors
+/// [`ServerError`] if it cannot start.
+pub fn serve(options: ServeOptions) -> Result<(), ServerError> {
+    running::watch(spawn(options)?)
+}
+
+/// Serves a flight in the background.
+///
+/// # Errors
+/// [`ServerError`] if it cannot start.
+pub fn spawn(options: ServeOptions) -> Result<Running, ServerError> {
+    let known = std::iter::once(&options.scenario).chain(&options.catalogue);
+    let vehicles = known
+        .map(|known| Ok((known.name.clone(), known.vehicle_files()?)))
+        .collect::<Result<BTreeMap<_, _>, BuildError>>()?;
+    let place = Place {
+        host: options.host,
+        port: options.port,
+        viewer_dir: options.viewer_dir,
+        foxglove: options.foxglove_port.map(|port| Beside {
+            port,
+            vehicles,
+            recorded_joints: Vec::new(),
+        }),
+    };
+    let tuning = options.scenario.preset_tuning(Preset::Tuned);
+    let orders = Orders {
+        mission: Mission::Fly(Box::new(options.scenario)),
+        catalogue: options.catalogue,
+        speed: options.speed,
+        start_paused: options.start_paused,
+        logbook: Logbook::new(options.record),
+    };
+    launch(orders, &tuning, false, place)
+}
+
+/// Listens, starts the flight, serves it. `tuning` is in range, to try a change on.
+fn launch(
+    orders: Orders,
+    tuning: &Tuning,
+    mirrored: bool,
+    place: Place,
+) -> Result<Running, ServerError> {
+    let address = SocketAddr::new(place::loopback(&place.host)?, place.port);
+    let runtime =
+        tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build()?;
+    let listener = runtime.block_on(async { place::listen(address) })?;
+    let address = listener.local_addr()?;
+
+    let (requests, inbox) = sync_channel(MOST_REQUESTS);
+    let landing = Arc::new(AtomicBool::new(false));
+    let (hub, flight) = take_off(orders, inbox, Arc::clone(&landing))?;
+    let scenarios = hub.published().scenarios;
+    let app = Arc::new(App {
+        hub: Arc::clone(&hub),
+        scenarios,
+        tuning: *tuning,
+        mirrored,
+        requests,
+        viewer_dir: place.viewer_dir,
+        started: pace::now(),
+    });
+    let router = http::router(Arc::clone(&app));
+    // Or a frame waits for the acknowledgement of the one before, which the other side may hold back for 40 ms.
+    let listener = listener.tap_io(|stream| {
+        if let Err(error) = stream.set_nodelay(true) {
+            tracing::debug!("a connection keeps small frames back: {error}");
+        }
+    });
+    let (shutdown, asked) = oneshot::channel::<()>();
+    runtime.spawn(async move {
+        let stopped = async {
+            // A sender that is gone asks for the same as one that speaks.
+            let _ = asked.await;
+        };
+        if let Err(error) = axum::serve(listener, router).with_graceful_shutdown(stopped).await {
+            tracing::error!("the server stopped: {error}");
+        }
+    });
+    let mut running = Running {
+        address,
+        foxglove: None,
+        hub,
+        landing,
+        shutdown: Some(shutdown),
+        flight: Some(flight),
+        runtime: Some(runtime),
+    };
+    if let Some(beside) = place.foxglove {
+        running.open_beside(beside, app)?;
+    }
+    Ok(running)
+}
+
+/// Starts the flight's thread. The flight is built there too, so nothing in it has to move between threads.
+fn take_off(
+    orders: Orders,
+    inbox: Receiver<Request>,
+    landing: Arc<AtomicBool>,
+) -> Result<(Arc<Hub>, JoinHandle<()>), ServerError> {
+    let (ready, published) = sync_channel(1);
+    let flight = std::thread::Builder::new().name("flight".to_owned()).spawn(move || {
+        let (pilot, told) = match Pilot::new(orders) {
+            Ok(pilot) => {
+                let hub = pilot.hub();
+                (Some(pilot), ready.send(Ok(hub)))
+            }
+            Err(error) => (None, ready.send(Err(error))),
+        };
+        if let (Some(pilot), Ok(())) = (pilot, told) {
+            pilot.fly(&inbox, &landing);
+        }
+    })?;
+    let hub = published.recv().map_err(|_| ServerError::NoFlight)??;
+    Ok((hub, flight))
+}

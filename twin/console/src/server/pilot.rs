@@ -1,0 +1,386 @@
+//! The one thread that flies: it takes requests between two ticks and publishes each tick. It waits for the clock, and
+//! for nothing and nobody else: no socket, no disk, no watcher.
+
+mod recording;
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::time::{Duration, Instant};
+
+use crate::server::ServerError;
+use crate::server::command::{Command, Request};
+use crate::server::gains::Change;
+use crate::server::hub::Hub;
+use crate::server::logbook::Logbook;
+use crate::server::mirrored::Mirrored;
+use crate::server::pace::{Lateness, Meter, Pace, STAGES, now};
+use crate::server::protocol::{EventInfo, NoticeLevel, ScenarioInfo, ServerMessage, StageCost};
+use crate::server::sortie::{Sortie, word};
+use twin_core::tick::{EventKind, Tick};
+use twin_record::RecordingEnd;
+use twin_scenario::Scenario;
+
+/// The state is published at least this often, and the thread looks at its requests at least this often.
+const STATE_PERIOD: Duration = Duration::from_millis(400);
+
+/// The same of a flight that still goes on: that its stream is lost is said within half a second.
+const LIVE_STATE_PERIOD: Duration = Duration::from_millis(100);
+
+/// A flight that still goes on is looked at again after so long for its next tick.
+const EDGE_PATIENCE: Duration = Duration::from_millis(5);
+
+/// Where to start and what else can be flown.
+pub(super) struct Orders {
+    /// First flight.
+    pub mission: Mission,
+    /// What `restart` may name.
+    pub catalogue: Vec<Scenario>,
+    /// Simulated seconds per second; `None` is as fast as the machine can.
+    pub speed: Option<f64>,
+    /// Wait for an operator.
+    pub start_paused: bool,
+    /// Recording.
+    pub logbook: Logbook,
+}
+
+/// What is flown first.
+pub(super) enum Mission {
+    /// A simulated vehicle.
+    Fly(Box<Scenario>),
+    /// A recording, from a time on, s.
+    Mirror {
+        /// The recording.
+        mirrored: Arc<Mirrored>,
+        /// Where to start.
+        start_s: f64,
+    },
+}
+
+/// The thread's own state.
+pub(super) struct Pilot {
+    sortie: Sortie,
+    catalogue: Vec<Scenario>,
+    hub: Arc<Hub>,
+    logbook: Logbook,
+    pace: Pace,
+    meter: Meter,
+    lateness: Lateness,
+    paused: bool,
+    steps: u32,
+    /// Ticks before the one that was sought, still to be flown at once.
+    warm_up: usize,
+    changes: Vec<Change>,
+    state_due: Instant,
+    schema_id: u16,
+}
+
+impl Pilot {
+    /// Builds the first flight and the hub that publishes it.
+    ///
+    /// # Errors
+    /// [`ServerError`] if the scenario cannot be built.
+    pub(super) fn new(orders: Orders) -> Result<Self, ServerError> {
+        let Orders { mission, catalogue, speed, start_paused, logbook } = orders;
+        let (sortie, warm_up) = match mission {
+            Mission::Fly(scenario) => (Sortie::new(*scenario)?, 0),
+            Mission::Mirror { mirrored, start_s } => {
+                let (first, warm_up) = mirrored.run_up(start_s);
+                (Sortie::mirror(&mirrored, first, mirrored.shadow.tuning())?, warm_up)
+            }
+        };
+        let infos = catalogue.iter().map(|known| ScenarioInfo {
+            name: known.name.clone(),
+            title: known.settings.title.clone(),
+        });
+        let published = sortie.published(Arc::new(infos.collect()), speed, start_paused);
+        let start = now();
+        let mut pilot = Self {
+            sortie,
+            catalogue,
+            hub: Arc::new(Hub::new(published)),
+            logbook,
+            pace: Pace::new(speed, start),
+            meter: Meter::new(start),
+            lateness: Lateness::default(),
+            paused: start_paused,
+            steps: 0,
+            warm_up,
+            changes: Vec::new(),
+            state_due: start,
+            schema_id: 1,
+        };
+        pilot.begin_recording()?;
+        Ok(pilot)
+    }
+
+    /// Where the flight is published.
+    pub(super) fn hub(&self) -> Arc<Hub> {
+        Arc::clone(&self.hub)
+    }
+
+    /// Flies until `stop` is set or nobody can send requests any more.
+    pub(super) fn fly(mut self, requests: &Receiver<Request>, stop: &AtomicBool) {
+        self.pace = Pace::new(self.pace.speed(), now());
+        while !stop.load(Ordering::Relaxed) {
+            match requests.recv_timeout(self.patience()) {
+                Ok(first) => {
+                    self.handle(first);
+                    for request in requests.try_iter() {
+                        self.handle(request);
+                    }
+                }
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => break,
+            }
+            self.apply_changes();
+            if self.warm_up > 0 {
+                self.warm_up();
+            } else if self.is_flying()
+                && !self.is_ahead()
+                && (self.steps > 0 || self.pace.wait(now()).is_zero())
+            {
+                self.tick();
+            }
+            if now() >= self.state_due {
+                self.attend();
+                self.publish_state();
+            }
+        }
+        self.end_recording("");
+    }
+
+    /// Flies all ticks before the one that was sought.
+    fn warm_up(&mut self) {
+        self.hub.hold();
+        for _ in 0..std::mem::take(&mut self.warm_up) {
+            self.tick();
+        }
+        self.hub.release();
+        self.pace = Pace::new(self.pace.speed(), now());
+        self.publish_state();
+    }
+
+    fn is_flying(&self) -> bool {
+        self.sortie.verdict.is_none() && (!self.paused || self.steps > 0)
+    }
+
+    /// How long requests may be waited for.
+    fn patience(&self) -> Duration {
+        let now = now();
+        let state = self.state_due.saturating_duration_since(now);
+        match (self.is_flying(), self.steps) {
+            (false, _) => state,
+            _ if self.is_ahead() => EDGE_PATIENCE.min(state),
+            (true, 0) => self.pace.wait(now).min(state),
+            (true, _) => Duration::ZERO,
+        }
+    }
+
+    fn tick(&mut self) {
+        let (mut spent, mut last) = ([Duration::ZERO; STAGES.len()], now());
+        self.lateness.count(self.pace.late(last));
+        let mut lap = |stage: usize| {
+            let done = now();
+            spent[stage] += done - last;
+            last = done;
+            done
+        };
+        let tick = Arc::new(self.sortie.flight.tick_with(&mut |stage| {
+            lap(stage as usize);
+        }));
+        self.sortie.follow(&tick);
+        self.sortie.settle_gains();
+        self.steps = self.steps.saturating_sub(1);
+        if let Err(error) = self.logbook.tick(&tick) {
+            self.alarm(&error.to_string());
+        }
+        self.hub.tick(&tick, || self.sortie.draw(&tick));
+        self.publish_events(&tick);
+        if self.sortie.task_phase != tick.phase {
+            self.sortie.task_phase.clone_from(&tick.phase);
+            self.state_due = now();
+        }
+        self.judge(&tick);
+        let done = lap(STAGES.len() - 1);
+        self.pace.ticked(done);
+        self.meter.count(spent);
+    }
+
+    fn judge(&mut self, tick: &Tick) {
+        if self.sortie.mirrored.is_some() {
+            // A recording is not judged; at its end it waits to be played again.
+            self.paused |= tick.finished;
+            self.steps *= u32::from(!tick.finished);
+            self.state_due = if tick.finished { now() } else { self.state_due };
+        } else if let Some((verdict, reason)) = self.sortie.judge.watch(tick) {
+            self.end(word(&verdict), reason);
+        }
+    }
+
+    fn end(&mut self, verdict: String, reason: String) {
+        let event = EventInfo {
+            tick: self.sortie.next_tick.saturating_sub(1),
+            t_s: self.sortie.t_s,
+            kind: EventKind::Verdict,
+            text: format!("{verdict}: {reason}"),
+        };
+        self.publish_event_infos(vec![event]);
+        self.end_recording(&format!("{verdict}: {reason}"));
+        self.sortie.verdict = Some((verdict, reason));
+        self.steps = 0;
+        self.publish_state();
+    }
+
+    fn handle(&mut self, request: Request) {
+        match request.command {
+            Command::Change(change) => self.changes.push(change),
+            Command::Pause(paused) => {
+                if !paused && self.is_at_end() {
+                    self.seek(0.0, request.client);
+                }
+                self.paused = paused;
+                self.steps = 0;
+                self.pace = Pace::new(self.pace.speed(), now());
+            }
+            Command::Step(ticks) if self.sortie.verdict.is_none() && !self.is_at_end() => {
+                self.paused = true;
+                self.steps = ticks;
+            }
+            // An ended flight has no next tick, and a restart flies on as the flight before began.
+            Command::Step(_) => {}
+            Command::Speed(speed) => self.pace = Pace::new(speed, now()),
+            Command::Disturb(disturbance) => self.sortie.disturb(&disturbance),
+            Command::Seek(t_s) => self.seek(t_s, request.client),
+            Command::Restart { .. } if self.sortie.mirrored.is_some() => {
+                self.seek(0.0, request.client);
+            }
+            Command::Restart { seed, scenario } => self.restart(seed, scenario, request.client),
+        }
+        self.state_due = now();
+    }
+
+    fn apply_changes(&mut self) {
+        if self.changes.is_empty() {
+            return;
+        }
+        let changes = std::mem::take(&mut self.changes);
+        let Sortie { desk, flight, next_tick, .. } = &mut self.sortie;
+        let applied = desk.apply(flight, changes, *next_tick);
+        let (preset, base) = (desk.preset(flight.tuning()), desk.base());
+        let gains = self.sortie.gains();
+        self.hub.publish(|published| {
+            published.gains = gains;
+            published.preset = preset;
+            published.base = base;
+            let echoes = applied.echoes.into_iter().map(ServerMessage::Gain);
+            echoes.chain(applied.list.map(ServerMessage::Gains)).collect()
+        });
+    }
+
+    fn restart(&mut self, seed: Option<u64>, name: Option<String>, client: Option<u64>) {
+        let named = name.and_then(|name| self.catalogue.iter().find(|known| known.name == name));
+        let mut scenario = named.unwrap_or(&self.sortie.scenario).clone();
+        if named.is_none() || seed.is_some() {
+            scenario.settings.seed = seed.unwrap_or(self.sortie.scenario.settings.seed);
+        }
+        match Sortie::new(scenario) {
+            Ok(sortie) => self.take_off(sortie),
+            Err(error) => {
+                self.hub.notice(client, NoticeLevel::Error, &format!("restart refused: {error}"));
+            }
+        }
+    }
+
+    fn take_off(&mut self, sortie: Sortie) {
+        self.end_recording("");
+        self.sortie = sortie;
+        self.lateness = Lateness::default();
+        self.changes.clear();
+        self.steps = 0;
+        // Zero is left out, so that no frame of before is taken for one of now.
+        self.schema_id = self.schema_id.wrapping_add(1).max(1);
+        self.pace = Pace::new(self.pace.speed(), now());
+        if let Err(error) = self.begin_recording() {
+            self.alarm(&error.to_string());
+        }
+        let scenarios = self.hub.published().scenarios;
+        let mut published = self.sortie.published(scenarios, self.pace.speed(), self.paused);
+        published.schema_id = self.schema_id;
+        self.hub.restart(published);
+    }
+
+    fn publish_events(&self, tick: &Tick) {
+        let info = |event: &twin_core::tick::Event| EventInfo {
+            tick: tick.index,
+            t_s: tick.measurement.t_s,
+            kind: event.kind,
+            text: event.text.clone(),
+        };
+        if !tick.events.is_empty() {
+            self.publish_event_infos(tick.events.iter().map(info).collect());
+        }
+    }
+
+    fn publish_event_infos(&self, events: Vec<EventInfo>) {
+        self.hub.publish(|published| {
+            published.remember(&events);
+            vec![ServerMessage::Events { events }]
+        });
+    }
+
+    fn publish_state(&mut self) {
+        self.sortie.unreadable().iter().for_each(|text| self.alarm(text));
+        let start = now();
+        let reading = self.meter.read(start);
+        self.hub.publish(|published| {
+            self.sortie.describe(&mut published.state, self.pace.speed(), self.paused);
+            published.state.real_time_factor = reading.real_time_factor;
+            published.lateness = self.lateness;
+            published.state.stages = STAGES
+                .into_iter()
+                .zip(reading.cost_ms)
+                .map(|(name, ms)| StageCost { name: name.to_owned(), ms })
+                .collect();
+            vec![ServerMessage::State(published.state.clone())]
+        });
+        let live = self.sortie.mirrored.as_ref().is_some_and(|mirrored| mirrored.is_live());
+        self.state_due = start + if live { LIVE_STATE_PERIOD } else { STATE_PERIOD };
+    }
+
+    fn begin_recording(&mut self) -> Result<(), ServerError> {
+        if self.logbook.is_wanted() {
+            let info = self.sortie.scenario.recording_info(self.sortie.flight.tuning())?;
+            self.logbook.begin(&info)?;
+        }
+        Ok(())
+    }
+
+    fn end_recording(&mut self, verdict: &str) {
+        let end = RecordingEnd {
+            state_hash: self.sortie.flight.state_hash(),
+            verdict: verdict.to_owned(),
+        };
+        match self.logbook.end(end) {
+            Ok(Some(said)) => {
+                tracing::info!("{said}");
+                self.hub.notice(None, NoticeLevel::Info, &said);
+            }
+            Ok(None) => {}
+            Err(error) => self.alarm(&error.to_string()),
+        }
+    }
+
+    /// Tells the log and everybody that something is broken, though the flight goes on.
+    fn alarm(&self, text: &str) {
+        tracing::error!("{text}");
+        self.hub.notice(None, NoticeLevel::Error, text);
+    }
+}
+
+impl Drop for Pilot {
+    /// Says that nobody flies any more, also if the flight failed.
+    fn drop(&mut self) {
+        self.hub.landed();
+    }
+}

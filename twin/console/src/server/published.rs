@@ -1,0 +1,72 @@
+//! Everything a new client is told of the flight.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use crate::server::command::EFFECTS;
+use crate::server::pace::Lateness;
+use crate::server::protocol::{
+    ChannelInfo, EVENTS_KEPT, EventInfo, GainInfo, Hello, MirrorInfo, PROTOCOL_VERSION, PresetName,
+    ScenarioInfo, ServerMessage, StateInfo,
+};
+use twin_core::notation::TICK_S;
+use twin_core::residual::HORIZON;
+use twin_record::scene::Scene;
+
+/// Everything a new client is told.
+#[derive(Clone, Debug)]
+pub(super) struct Published {
+    /// Which telemetry rows fit.
+    pub schema_id: u16,
+    /// Scenarios that can be flown.
+    pub scenarios: Arc<Vec<ScenarioInfo>>,
+    /// The recording that is mirrored.
+    pub mirror: Option<Arc<MirrorInfo>>,
+    /// What to draw.
+    pub scene: Arc<Scene>,
+    /// Numbers of a row.
+    pub channels: Arc<Vec<ChannelInfo>>,
+    /// Gains with their values in force.
+    pub gains: Vec<GainInfo>,
+    /// Preset in force.
+    pub preset: PresetName,
+    /// How the flight stands.
+    pub state: StateInfo,
+    /// Preset that was chosen last: `preset_value` of a gain is its value there.
+    pub base: PresetName,
+    /// How late ticks began.
+    pub lateness: Lateness,
+    /// The last events, oldest first.
+    pub events: VecDeque<EventInfo>,
+}
+
+impl Published {
+    /// The `hello` for a client.
+    pub(super) fn hello(&self, client_id: u64) -> ServerMessage {
+        ServerMessage::Hello(Box::new(Hello {
+            protocol: PROTOCOL_VERSION,
+            schema_id: self.schema_id,
+            client_id,
+            scenario: self.state.scenario.clone(),
+            scenarios: self.scenarios.to_vec(),
+            tick_s: TICK_S,
+            horizon_ticks: HORIZON as u32,
+            effects: EFFECTS.map(str::to_owned).to_vec(),
+            mirror: self.mirror.as_deref().cloned(),
+            scene: (*self.scene).clone(),
+            channels: self.channels.to_vec(),
+            gains: self.gains.clone(),
+            preset: self.preset,
+            state: self.state.clone(),
+            events: self.events.iter().cloned().collect(),
+        }))
+    }
+
+    /// Keeps the newest events.
+    pub(super) fn remember(&mut self, events: &[EventInfo]) {
+        self.events.extend(events.iter().cloned());
+        while self.events.len() > EVENTS_KEPT {
+            self.events.pop_front();
+        }
+    }
+}

@@ -1,0 +1,254 @@
+//! One served flight with all that belongs to it: a restart replaces it as a whole.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use crate::server::channels::{Channels, Sample};
+use crate::server::gains::Desk;
+use crate::server::mirrored::{self, Mirrored};
+use crate::server::pace::Lateness;
+use crate::server::protocol::{FlightPhase, GainInfo, ScenarioInfo, StateInfo};
+use crate::server::published::Published;
+use crate::server::telemetry::Picture;
+use crate::server::world::World;
+use twin_core::flight::Flight;
+use twin_core::notation::TICK_S;
+use twin_core::source::Disturbance;
+use twin_core::tick::Tick;
+use twin_core::tuning::Tuning;
+use twin_foreign::stand_in;
+use twin_record::scene::Scene;
+use twin_scenario::{BuildError, Judge, Scenario};
+
+/// The covariance is decomposed every so many ticks, and at a reset.
+const SPECTRUM_TICKS: u64 = 10;
+
+/// The phase while nothing comes from a stream.
+const STREAM_LOST: &str = "stream lost";
+
+/// One flight.
+pub(super) struct Sortie {
+    /// What is flown.
+    pub scenario: Scenario,
+    /// The flight.
+    pub flight: Flight,
+    /// Who ends it.
+    pub judge: Judge,
+    /// Its gains.
+    pub desk: Desk,
+    /// What to draw.
+    pub scene: Arc<Scene>,
+    /// What to plot.
+    pub channels: Channels,
+    /// The recording, if one is mirrored.
+    pub mirrored: Option<Arc<Mirrored>>,
+    /// Payload, wind and effects.
+    pub world: World,
+    /// Eigenvalues of the adapter's covariance, largest first.
+    spectrum: Vec<f64>,
+    /// A push lasts until this tick.
+    push_ends: u64,
+    /// Number of the next tick.
+    pub next_tick: u64,
+    /// A tick was flown.
+    has_flown: bool,
+    /// Simulated time of the last tick, s.
+    pub t_s: f64,
+    /// Phase of the task.
+    pub task_phase: String,
+    /// Verdict and reason, once it ended.
+    pub verdict: Option<(String, String)>,
+}
+
+impl Sortie {
+    /// The flight of a scenario, at its first tick.
+    ///
+    /// # Errors
+    /// [`BuildError`] if it cannot be built.
+    pub(super) fn new(scenario: Scenario) -> Result<Self, BuildError> {
+        let flight = scenario.build()?;
+        let scene = Arc::new(scenario.scene()?);
+        Ok(Self {
+            judge: Judge::new(&scenario.settings),
+            desk: Desk::new(&scenario, flight.tuning()),
+            channels: Channels::new(
+                scene.rotors.len(),
+                &scenario.actuator_limits()?,
+                &flight.predictor().info(),
+            ),
+            mirrored: None,
+            world: World::new(&scenario.settings),
+            spectrum: Vec::new(),
+            push_ends: 0,
+            scene,
+            flight,
+            scenario,
+            next_tick: 0,
+            has_flown: false,
+            t_s: 0.0,
+            task_phase: String::new(),
+            verdict: None,
+        })
+    }
+
+    /// A recording in shadow from tick `first` on, under `tuning`.
+    ///
+    /// # Errors
+    /// [`BuildError`] if there is no such tick.
+    pub(super) fn mirror(
+        mirrored: &Arc<Mirrored>,
+        first: usize,
+        tuning: &Tuning,
+    ) -> Result<Self, BuildError> {
+        let flight = mirrored.shadow.flight(first, tuning).ok_or(BuildError::Unfit {
+            key: "recording",
+            reason: format!("has no tick {first}"),
+        })?;
+        let scenario = Scenario::of_recording(&mirrored.name, &mirrored.path)?;
+        let scene = Arc::new(stand_in());
+        Ok(Self {
+            judge: Judge::new(&scenario.settings),
+            desk: Desk::new(&scenario, flight.tuning()),
+            channels: Channels::mirrored(scene.rotors.len(), mirrored.shadow.scale()),
+            mirrored: Some(Arc::clone(mirrored)),
+            world: World::new(&scenario.settings),
+            spectrum: Vec::new(),
+            push_ends: 0,
+            scene,
+            flight,
+            scenario,
+            next_tick: first as u64,
+            has_flown: false,
+            t_s: first as f64 * TICK_S,
+            task_phase: String::new(),
+            verdict: None,
+        })
+    }
+
+    /// What clients are told before its first tick.
+    pub(super) fn published(
+        &self,
+        scenarios: Arc<Vec<ScenarioInfo>>,
+        speed: Option<f64>,
+        paused: bool,
+    ) -> Published {
+        let mut state = StateInfo {
+            phase: FlightPhase::Flying,
+            speed: None,
+            scenario: String::new(),
+            seed: 0,
+            tick: 0,
+            t_s: 0.0,
+            task_phase: String::new(),
+            verdict: None,
+            reason: None,
+            real_time_factor: 0.0,
+            clients: 0,
+            stages: Vec::new(),
+            payload_kg: None,
+            wind_m_s: [0.0; 3],
+            effects_off: Vec::new(),
+            twin: None,
+        };
+        self.describe(&mut state, speed, paused);
+        Published {
+            schema_id: 1,
+            mirror: self.mirrored.as_ref().map(|mirrored| Arc::new(mirrored.info.clone())),
+            scenarios,
+            scene: Arc::clone(&self.scene),
+            channels: Arc::clone(self.channels.infos()),
+            gains: self.gains(),
+            preset: self.desk.preset(self.flight.tuning()),
+            base: self.desk.base(),
+            state,
+            lateness: Lateness::default(),
+            events: VecDeque::new(),
+        }
+    }
+
+    /// Gains that can be changed: beside a recording those of the adapter alone.
+    pub(super) fn gains(&self) -> Vec<GainInfo> {
+        let mut gains = self.desk.list(self.flight.tuning());
+        gains.retain(|gain| self.mirrored.is_none() || mirrored::acts_in_shadow(&gain.name));
+        gains
+    }
+
+    /// How the flight stands.
+    pub(super) fn describe(&self, state: &mut StateInfo, speed: Option<f64>, paused: bool) {
+        let (verdict, reason) = self.verdict.clone().unzip();
+        state.phase = match (&verdict, paused) {
+            (Some(_), _) => FlightPhase::Ended,
+            (None, true) => FlightPhase::Paused,
+            (None, false) => FlightPhase::Flying,
+        };
+        state.speed = speed;
+        state.scenario.clone_from(&self.scenario.name);
+        state.seed = self.scenario.settings.seed;
+        state.tick = self.next_tick;
+        state.t_s = self.t_s;
+        state.task_phase.clone_from(&self.task_phase);
+        if self.mirrored.as_ref().is_some_and(|mirrored| mirrored.is_lost()) {
+            STREAM_LOST.clone_into(&mut state.task_phase);
+        }
+        // Before its first tick there is nothing to be beside of; of the tick before it nobody asked.
+        let last = self.next_tick.checked_sub(1).filter(|_| self.has_flown);
+        let beside = |tick| Some(Box::new(self.mirrored.as_ref()?.beside(tick as usize)));
+        state.twin = last.and_then(beside);
+        state.verdict = verdict;
+        state.reason = reason;
+        self.world.describe(state);
+    }
+
+    /// The flight has flown `tick`.
+    pub(super) fn follow(&mut self, tick: &Tick) {
+        self.next_tick = tick.index + 1;
+        self.has_flown = true;
+        self.t_s = tick.measurement.t_s;
+        self.world.advance(self.t_s);
+        if tick.index.is_multiple_of(SPECTRUM_TICKS) || tick.adapted.reset {
+            self.spectrum = self.flight.covariance_spectrum();
+        }
+    }
+
+    /// What of a recording could not be read since the last call.
+    pub(super) fn unreadable(&self) -> Vec<String> {
+        self.mirrored.as_ref().map_or_else(Vec::new, |mirrored| mirrored.shadow.film().troubles())
+    }
+
+    /// Gain changes that have come to rest become events of the next tick.
+    pub(super) fn settle_gains(&mut self) {
+        self.desk.settle(&mut self.flight, self.next_tick);
+    }
+
+    /// The row and the picture of a tick.
+    pub(super) fn draw(&self, tick: &Tick) -> (Arc<[f32]>, Arc<Picture>) {
+        let sample = Sample { tick, tuning: self.flight.tuning(), spectrum: &self.spectrum };
+        let (row, mut picture) =
+            (self.channels.row(&sample), Picture::new(&self.scene, tick, &self.spectrum));
+        let Some(mirrored) = &self.mirrored else { return (row, Arc::new(picture)) };
+        let index = tick.index as usize;
+        if !mirrored.is_seen(index) {
+            picture.hide();
+        }
+        (mirrored.mask(self.channels.infos(), &row, index), Arc::new(picture))
+    }
+
+    /// Changes the world. A push that is repeated while it lasts is one event.
+    pub(super) fn disturb(&mut self, disturbance: &Disturbance) {
+        self.world.change(disturbance);
+        if let Disturbance::Push { duration_s, .. } = disturbance {
+            let goes_on = self.next_tick < self.push_ends;
+            self.push_ends = self.next_tick + (duration_s / TICK_S).ceil() as u64;
+            if goes_on {
+                return self.flight.prolong(disturbance);
+            }
+        }
+        self.flight.disturb(disturbance);
+    }
+}
+
+/// The word a unit enum is serialised as.
+pub(super) fn word(value: &impl serde::Serialize) -> String {
+    let text = serde_json::to_value(value).ok().and_then(|value| value.as_str().map(str::to_owned));
+    text.unwrap_or_else(|| "unknown".to_owned())
+}

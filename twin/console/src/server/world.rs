@@ -1,0 +1,76 @@
+//! What operators and the scenario made of the world of one flight: payload, wind, effects.
+
+use crate::server::command::EFFECTS;
+use crate::server::protocol::StateInfo;
+use twin_core::source::Disturbance;
+use twin_scenario::Settings;
+
+/// The world as it was last asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct World {
+    payload_kg: Option<f64>,
+    wind_m_s: [f64; 3],
+    effects_off: Vec<String>,
+    /// Changes that the scenario has still in store, latest first.
+    schedule: Vec<(f64, Disturbance)>,
+}
+
+impl World {
+    /// The world at the start of a scenario.
+    pub(super) fn new(settings: &Settings) -> Self {
+        let mut schedule: Vec<(f64, Disturbance)> =
+            settings.disturbances.iter().map(|d| (d.at_s, d.disturbance.clone())).collect();
+        schedule.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mass_kg = settings.payload.mass_kg;
+        let off = EFFECTS.into_iter().filter(|name| !is_on(settings, name));
+        Self {
+            payload_kg: (mass_kg > 0.0).then_some(mass_kg),
+            wind_m_s: settings.wind.velocity_m_s,
+            effects_off: off.map(str::to_owned).collect(),
+            schedule,
+        }
+    }
+
+    /// The flight has come to `t_s`: what the scenario had planned until then is in force.
+    pub(super) fn advance(&mut self, t_s: f64) {
+        while self.schedule.last().is_some_and(|(at_s, _)| *at_s <= t_s) {
+            if let Some((_, disturbance)) = self.schedule.pop() {
+                self.change(&disturbance);
+            }
+        }
+    }
+
+    /// Something was changed.
+    pub(super) fn change(&mut self, disturbance: &Disturbance) {
+        match disturbance {
+            Disturbance::PayloadMass { kg } => self.payload_kg = self.payload_kg.map(|_| *kg),
+            Disturbance::Wind { velocity_m_s } => self.wind_m_s = *velocity_m_s,
+            Disturbance::Effect { name, on } => {
+                self.effects_off.retain(|off| off != name);
+                if !on {
+                    self.effects_off.push(name.clone());
+                }
+            }
+            Disturbance::Push { .. } | Disturbance::DropPayload | Disturbance::Failure { .. } => {}
+        }
+    }
+
+    /// Writes the world into a state.
+    pub(super) fn describe(&self, state: &mut StateInfo) {
+        state.payload_kg = self.payload_kg;
+        state.wind_m_s = self.wind_m_s;
+        state.effects_off.clone_from(&self.effects_off);
+    }
+}
+
+/// The effect is in force at the start; wind always is.
+fn is_on(settings: &Settings, effect: &str) -> bool {
+    let aero = &settings.aero;
+    match effect {
+        "rotor_drag" => aero.rotor_drag,
+        "body_drag" => aero.body_drag,
+        "ground_effect" => aero.ground_effect,
+        "downwash" => aero.downwash,
+        _ => true,
+    }
+}

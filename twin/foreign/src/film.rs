@@ -1,0 +1,350 @@
+//! A recorded flight as the loop reads it, tick by tick: held whole, or block by block around the playhead.
+//!
+//! A block depends on the file and its number alone, so a moment is the same however one comes to it. A thread reads the next
+//! blocks while one is played; a jump waits for the first of its blocks.
+
+use std::fmt::Debug;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
+
+use super::kept::Kept;
+use super::recorded::{Instant, RecordedFlight};
+use twin_core::notation::{Coords, N, wrap_angle};
+use twin_core::source::{Disturbance, InnerLoop, Source};
+use twin_core::tick::{GripperReading, Measurement, Setpoint, Truth};
+
+/// Ticks of a block: 5 s.
+const BLOCK_TICKS: usize = 500;
+
+/// Ticks that are kept: a run-up, what follows it and what was played last.
+const KEPT_TICKS: usize = 6000;
+
+/// Ticks that are read ahead.
+const AHEAD_TICKS: usize = 500;
+
+/// The row of the yaw.
+const PSI: usize = 5;
+
+/// A flight that is read part by part.
+pub trait Footage: Debug + Send + Sync {
+    /// Ticks of all of it.
+    fn ticks(&self) -> usize;
+
+    /// The ticks `from..to` of it. What cannot be read is unknown.
+    fn part(&self, from: usize, to: usize) -> RecordedFlight;
+
+    /// What could not be read since the last call, a sentence each.
+    fn troubles(&self) -> Vec<String>;
+
+    /// Ticks that are read at once.
+    fn block_ticks(&self) -> usize {
+        BLOCK_TICKS
+    }
+
+    /// It still goes on: there are more ticks each time one asks.
+    fn is_live(&self) -> bool {
+        false
+    }
+}
+
+/// A tick of a recorded flight, as the loop reads it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    /// A row without a known residual has the applied force that makes the residual the nominal one, so that nobody learns from
+    /// it; a coordinate that is unknown is the last known one.
+    pub measurement: Measurement,
+    /// Per row: the coordinate is known.
+    pub coordinates: [bool; N],
+    /// Per row: the residual is known, in the air.
+    pub counts: [bool; N],
+    /// It flies, as far as its thrust tells.
+    pub airborne: bool,
+}
+
+/// What an unknown residual is taken as.
+#[derive(Clone, Copy, Debug)]
+pub struct Nominal {
+    /// Residual, N and N m.
+    pub residual: Coords,
+    /// `M_bar`, kg and kg m².
+    pub inertia: Coords,
+}
+
+/// A recorded flight.
+#[derive(Debug)]
+pub struct Film {
+    ticks: usize,
+    store: Store,
+}
+
+#[derive(Debug)]
+enum Store {
+    Whole(Arc<[Frame]>),
+    Blocks { shelf: Arc<Shelf>, wanted: Sender<usize> },
+}
+
+/// Blocks that were read.
+#[derive(Debug)]
+struct Shelf {
+    footage: Arc<dyn Footage>,
+    nominal: Nominal,
+    blocks: Kept<Arc<[Frame]>>,
+}
+
+impl Film {
+    /// A flight that is held whole.
+    pub fn whole(recorded: &RecordedFlight, nominal: &Nominal) -> Self {
+        let frames = frames(recorded, nominal);
+        Self { ticks: frames.len(), store: Store::Whole(frames.into()) }
+    }
+
+    /// A flight that is read as it is played.
+    pub fn of(footage: &Arc<dyn Footage>, nominal: Nominal) -> Self {
+        let footage = Arc::clone(footage);
+        let ticks = footage.ticks();
+        let shelf = Arc::new(Shelf::new(footage, nominal));
+        let (wanted, orders) = channel();
+        let reader = Arc::clone(&shelf);
+        let thread = std::thread::Builder::new().name("film".to_owned());
+        // Without the thread each block is read when it is played.
+        if let Err(error) = thread.spawn(move || read_ahead(&reader, &orders)) {
+            tracing::warn!("nothing is read ahead: {error}");
+        }
+        Self { ticks, store: Store::Blocks { shelf, wanted } }
+    }
+
+    /// Ticks; of a flight that still goes on those that there are by now.
+    pub fn ticks(&self) -> usize {
+        match &self.store {
+            Store::Blocks { shelf, .. } if self.is_live() => shelf.footage.ticks(),
+            _ => self.ticks,
+        }
+    }
+
+    /// It still goes on.
+    pub fn is_live(&self) -> bool {
+        matches!(&self.store, Store::Blocks { shelf, .. } if shelf.footage.is_live())
+    }
+
+    /// What could not be read since the last call, a sentence each.
+    pub fn troubles(&self) -> Vec<String> {
+        match &self.store {
+            Store::Whole(_) => Vec::new(),
+            Store::Blocks { shelf, .. } => shelf.footage.troubles(),
+        }
+    }
+
+    /// Per row whether coordinate and residual (in the air) are known at `tick`; nothing is beyond the end.
+    pub fn known(&self, tick: usize) -> ([bool; N], [bool; N]) {
+        let block = self.block(tick);
+        let frame = block.as_ref().and_then(|block| block.frame(tick));
+        frame.map_or(([false; N], [false; N]), |frame| (frame.coordinates, frame.counts))
+    }
+
+    /// The block of `tick`; `None` beyond the end.
+    fn block(&self, tick: usize) -> Option<Block> {
+        if tick >= self.ticks() {
+            return None;
+        }
+        match &self.store {
+            Store::Whole(frames) => Some(Block { first: 0, frames: Arc::clone(frames) }),
+            Store::Blocks { shelf, .. } => {
+                let ticks = shelf.footage.block_ticks();
+                let number = tick / ticks;
+                Some(Block { first: number * ticks, frames: shelf.block(number, tick % ticks) })
+            }
+        }
+    }
+
+    /// Has the blocks after that of `tick` read in the background.
+    fn read_after(&self, tick: usize) {
+        if let Store::Blocks { wanted, shelf } = &self.store
+            && !shelf.footage.is_live()
+        {
+            // Without the thread nothing is read ahead.
+            let _ = wanted.send(tick / shelf.footage.block_ticks() + 1);
+        }
+    }
+}
+
+/// Reads the blocks from each number that is ordered on, until another one is.
+fn read_ahead(shelf: &Shelf, orders: &Receiver<usize>) {
+    let blocks = AHEAD_TICKS.div_ceil(shelf.footage.block_ticks());
+    while let Ok(mut first) = orders.recv() {
+        let mut next = 0;
+        while next < blocks {
+            // What was ordered last is where the flight is.
+            if let Some(newer) = orders.try_iter().last() {
+                (first, next) = (newer, 0);
+            }
+            let number = first + next;
+            if number * shelf.footage.block_ticks() < shelf.footage.ticks() {
+                shelf.block(number, 0);
+            }
+            next += 1;
+        }
+    }
+}
+
+impl Shelf {
+    fn new(footage: Arc<dyn Footage>, nominal: Nominal) -> Self {
+        let blocks = Kept::new(KEPT_TICKS / footage.block_ticks());
+        Self { footage, nominal, blocks }
+    }
+
+    /// The block from the shelf if it reaches to its tick `within`, else from the file. Of a flight that goes on the newest block
+    /// may be there with fewer ticks.
+    fn block(&self, number: usize, within: usize) -> Arc<[Frame]> {
+        let ticks = self.footage.block_ticks();
+        let read = || {
+            let from = number * ticks;
+            let to = (from + ticks).min(self.footage.ticks()).max(from);
+            frames(&self.footage.part(from, to), &self.nominal).into()
+        };
+        self.blocks.get(number, |frames| frames.len() > within, read)
+    }
+}
+
+/// The ticks of `recorded` as the loop reads them.
+fn frames(recorded: &RecordedFlight, nominal: &Nominal) -> Vec<Frame> {
+    let mut held = Coords::zeros();
+    let one = |(tick, instant): (usize, &Instant)| {
+        for row in 0..N {
+            held[row] = instant.chi[row].unwrap_or(held[row]);
+        }
+        let chi_ddot = Coords::from_fn(|row, _| instant.chi_ddot[row].unwrap_or(0.0));
+        let tau_applied =
+            Coords::from_fn(|row, _| match (instant.tau[row], instant.chi_ddot[row]) {
+                (Some(tau), Some(_)) => tau,
+                _ => nominal.residual[row] + nominal.inertia[row] * chi_ddot[row],
+            });
+        let measurement = Measurement {
+            t_s: recorded.times_s[tick],
+            chi: held,
+            chi_dot: Coords::from_fn(|row, _| instant.chi_dot[row].unwrap_or(0.0)),
+            chi_ddot,
+            tau_applied,
+            gripper: GripperReading::default(),
+            payload: None,
+            saturated: false,
+        };
+        Frame {
+            measurement,
+            coordinates: instant.chi.map(|value| value.is_some()),
+            counts: std::array::from_fn(|row| recorded.residual_counts(tick, row)),
+            airborne: recorded.airborne.get(tick).copied().unwrap_or(false),
+        }
+    };
+    recorded.instants.iter().enumerate().map(one).collect()
+}
+
+#[derive(Clone, Debug)]
+struct Block {
+    first: usize,
+    frames: Arc<[Frame]>,
+}
+
+impl Block {
+    fn frame(&self, tick: usize) -> Option<&Frame> {
+        self.frames.get(tick.checked_sub(self.first)?)
+    }
+}
+
+/// A place in a film; looking at neighbouring ticks reads nothing anew.
+#[derive(Clone, Debug)]
+pub struct Cursor {
+    film: Arc<Film>,
+    block: Option<Block>,
+}
+
+impl Cursor {
+    /// Into `film`.
+    pub fn new(film: &Arc<Film>) -> Self {
+        Self { film: Arc::clone(film), block: None }
+    }
+
+    /// The frame of `tick`; `None` beyond the end.
+    pub fn frame(&mut self, tick: usize) -> Option<&Frame> {
+        if self.block.as_ref().and_then(|block| block.frame(tick)).is_none() {
+            self.film.read_after(tick);
+            self.block = self.film.block(tick);
+        }
+        self.block.as_ref()?.frame(tick)
+    }
+
+    /// The first tick of the block it is in.
+    fn block_start(&self) -> Option<usize> {
+        Some(self.block.as_ref()?.first)
+    }
+}
+
+/// Plays a film; what it is told to do reaches nobody.
+pub struct RecordedSource {
+    cursor: Cursor,
+    next: usize,
+    /// The last frame played.
+    frame: Frame,
+    /// The last coordinates given.
+    last: Option<Coords>,
+    /// Turns that the yaw of a block lacks, rad, and the block.
+    turns_rad: f64,
+    turned: Option<usize>,
+}
+
+impl RecordedSource {
+    /// From tick `first` of `film` on; `None` if there is none.
+    pub fn new(film: &Arc<Film>, first: usize) -> Option<Self> {
+        let mut cursor = Cursor::new(film);
+        let frame = cursor.frame(first)?.clone();
+        Some(Self { cursor, next: first, frame, last: None, turns_rad: 0.0, turned: None })
+    }
+
+    /// The next measurement; after the last one the last one again.
+    fn play(&mut self) -> Measurement {
+        if let Some(frame) = self.cursor.frame(self.next) {
+            self.frame.clone_from(frame);
+            self.next += 1;
+        }
+        self.continued()
+    }
+
+    /// The measurement of the frame; unknown coordinates and the turns of the yaw go on as before.
+    fn continued(&mut self) -> Measurement {
+        let Self { frame, last, turns_rad, turned, .. } = self;
+        let mut measurement = frame.measurement.clone();
+        let psi = measurement.chi[PSI];
+        if let Some(last) = last {
+            for row in (0..N).filter(|row| !frame.coordinates[*row]) {
+                measurement.chi[row] = last[row];
+            }
+            let block = self.cursor.block_start();
+            if frame.coordinates[PSI] && *turned != block {
+                let ahead = last[PSI] + wrap_angle(psi - last[PSI]) - psi;
+                let turns = (ahead / std::f64::consts::TAU).round();
+                *turns_rad = if turns.is_finite() { turns * std::f64::consts::TAU } else { 0.0 };
+                *turned = block;
+            }
+        }
+        if frame.coordinates[PSI] && *turns_rad != 0.0 {
+            measurement.chi[PSI] = psi + *turns_rad;
+        }
+        *last = Some(measurement.chi);
+        measurement
+    }
+}
+
+impl Source for RecordedSource {
+    fn advance(&mut self, _setpoint: &Setpoint, _inner: &mut dyn InnerLoop) -> Measurement {
+        self.play()
+    }
+
+    fn truth(&self) -> Option<Truth> {
+        None
+    }
+
+    fn disturb(&mut self, _disturbance: &Disturbance) {}
+}
+
+#[cfg(test)]
+#[path = "film_tests.rs"]
+mod tests;

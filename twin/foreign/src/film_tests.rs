@@ -1,0 +1,115 @@
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use super::super::effort::Effort;
+use super::super::recorded::Derivation;
+use super::*;
+use twin_core::notation::TICK_S;
+
+/// How fast the vehicle of these tests turns, rad per tick: several turns in the flight.
+const TURN_RAD: f64 = 0.02;
+
+/// A vehicle that turns, whose yaw every part begins between -pi and pi; from 700 to 720 nothing is known.
+#[derive(Debug, Default)]
+struct Turning {
+    reads: AtomicUsize,
+}
+
+const TICKS: usize = 2345;
+
+fn yaw(tick: usize) -> f64 {
+    tick as f64 * TURN_RAD
+}
+
+impl Footage for Turning {
+    fn ticks(&self) -> usize {
+        TICKS
+    }
+
+    fn part(&self, from: usize, to: usize) -> RecordedFlight {
+        self.reads.fetch_add(1, Ordering::Relaxed);
+        let turns = yaw(from) - wrap_angle(yaw(from));
+        let instant = |tick: usize| {
+            let mut chi = [Some(tick as f64); N];
+            chi[PSI] = Some(yaw(tick) - turns);
+            if (700..720).contains(&tick) {
+                Instant::default()
+            } else {
+                Instant { chi, ..Instant::default() }
+            }
+        };
+        RecordedFlight {
+            times_s: (from..to).map(|tick| tick as f64 * TICK_S).collect(),
+            instants: (from..to).map(instant).collect(),
+            effort: Effort::Recorded,
+            mass_kg: 1.0,
+            airborne: vec![true; to - from],
+            nominal_inertia: None,
+            acceleration: [Derivation::Unknown; 2],
+            airborne_above: 0.0,
+            joint_names: Vec::new(),
+        }
+    }
+
+    fn troubles(&self) -> Vec<String> {
+        Vec::new()
+    }
+}
+
+fn nothing() -> Nominal {
+    Nominal { residual: Coords::zeros(), inertia: Coords::zeros() }
+}
+
+fn played(film: &Arc<Film>, first: usize) -> Vec<Measurement> {
+    let mut source = RecordedSource::new(film, first).unwrap();
+    (first..TICKS).map(|_| source.play()).collect()
+}
+
+#[test]
+fn yaw_goes_on_over_the_edges_of_blocks_and_unknown_coordinates_stay_as_they_were() {
+    let footage: Arc<dyn Footage> = Arc::new(Turning::default());
+    let film = Arc::new(Film::of(&footage, nothing()));
+    let all = played(&film, 0);
+    assert_eq!(all.len(), TICKS);
+    for (tick, measurement) in all.iter().enumerate() {
+        let known = if (700..720).contains(&tick) { 699 } else { tick };
+        // Sums of some thousand steps of 0.02.
+        assert!((measurement.chi[PSI] - yaw(known)).abs() < 1e-9, "{tick}");
+        assert_eq!(measurement.chi[0].to_bits(), (known as f64).to_bits(), "{tick}");
+    }
+    // From the middle it is the same but for whole turns.
+    for (ours, whole) in played(&film, 1200).iter().zip(&all[1200..]) {
+        assert!(wrap_angle(ours.chi[PSI] - whole.chi[PSI]).abs() < 1e-9);
+        assert_eq!(ours.t_s.to_bits(), whole.t_s.to_bits());
+    }
+}
+
+#[test]
+fn a_block_on_the_shelf_is_not_read_again_and_the_shelf_is_bounded() {
+    let turning = Arc::new(Turning::default());
+    let footage: Arc<dyn Footage> = turning.clone();
+    let shelf = Shelf::new(footage, nothing());
+    for _ in 0..3 {
+        for number in 0..4 {
+            shelf.block(number, 0);
+        }
+    }
+    assert_eq!(turning.reads.load(Ordering::Relaxed), 4);
+    for number in 0..10 * KEPT_TICKS / BLOCK_TICKS {
+        shelf.block(number, 0);
+        assert!(shelf.blocks.len() * BLOCK_TICKS <= KEPT_TICKS);
+    }
+    assert_eq!(shelf.block(4, 0).len(), TICKS - 4 * BLOCK_TICKS);
+}
+
+#[test]
+fn nothing_is_beyond_the_end() {
+    let footage: Arc<dyn Footage> = Arc::new(Turning::default());
+    let film = Arc::new(Film::of(&footage, nothing()));
+    assert!(RecordedSource::new(&film, TICKS).is_none());
+    assert_eq!(film.known(TICKS), ([false; N], [false; N]));
+    assert_eq!(film.known(705).0, [false; N]);
+    assert_eq!(film.known(0).0, [true; N]);
+    let mut source = RecordedSource::new(&film, TICKS - 1).unwrap();
+    let last = source.play();
+    assert_eq!(source.play(), last);
+}

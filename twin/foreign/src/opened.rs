@@ -1,0 +1,310 @@
+//! A recording opened: what it holds, what it means, the flight on ticks.
+
+use std::fs::File;
+use std::io::{BufReader, Read, Seek};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::container::ContainerError;
+use super::effort::Effort;
+use super::film::Footage;
+use super::gather::gather_from;
+use super::index::Index;
+use super::own_footage::OwnFootage;
+use super::recorded::{MirrorError, RecordedFlight, on_ticks};
+use super::replayed::replayed;
+use super::signals::{Signals, signals};
+use super::stretches::{LONG_S, judge};
+use super::survey::Survey;
+use super::table::Input;
+use super::topics::{Map, MapError, SHIPPED};
+use twin_record::recording::{RecordingError, TICK_TOPIC};
+
+/// Most topics that an error lists.
+const SHOWN_TOPICS: usize = 30;
+
+/// How far a file was read is told after so many bytes.
+const TOLD_BYTES: u64 = 4 << 20;
+
+/// What is said about a recording of this program.
+const AS_RECORDED: &str =
+    "recorded by this program: measurements are taken as they are, nothing is resampled";
+
+/// A recording with its flight.
+#[derive(Clone, Debug)]
+pub struct OpenedFlight {
+    /// The file.
+    pub path: PathBuf,
+    /// What it holds.
+    pub survey: Survey,
+    /// Which messages mean what.
+    pub map: Map,
+    /// Name of the map.
+    pub map_name: String,
+    /// What was chosen.
+    pub signals: Signals,
+    /// The flight; of a long one stretches of it.
+    pub recorded: RecordedFlight,
+    /// A long flight, which is read as it is played.
+    pub long: Option<Arc<dyn Footage>>,
+}
+
+/// Why a recording cannot be mirrored.
+#[derive(Debug, thiserror::Error)]
+pub enum OpenError {
+    /// Nothing can be read.
+    #[error("{path}: {why}", path = path.display())]
+    Container {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        why: ContainerError,
+    },
+    /// The map is neither shipped nor a file.
+    #[error("--map {name}: not a shipped map ({shipped}) and not a file that can be read: {why}")]
+    MapFile {
+        /// As given.
+        name: String,
+        /// Maps that come with the program.
+        shipped: String,
+        /// The system's words.
+        why: String,
+    },
+    /// The map is not usable.
+    #[error(transparent)]
+    Map(#[from] MapError),
+    /// A recording of this program that cannot be used.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// There is no flight in it.
+    #[error("{path}: {why}; topics found: {topics}", path = path.display())]
+    Mirror {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        why: MirrorError,
+        /// What the recording has.
+        topics: String,
+    },
+}
+
+/// The map that is asked for, or that of the recognised family, over the generic rules; with its name.
+///
+/// # Errors
+/// [`OpenError`] if it cannot be read or is not usable.
+pub fn choose_map(
+    wanted: Option<&str>,
+    family: Option<&'static str>,
+) -> Result<(Map, String), OpenError> {
+    let (own, name) = match (wanted, family) {
+        (Some(name), _) if Map::shipped(name).is_some() => (Map::shipped(name), name.to_owned()),
+        (Some(file), _) => {
+            let text = std::fs::read_to_string(Path::new(file)).map_err(|why| {
+                let shipped = SHIPPED.map(|(name, _)| name).join(", ");
+                OpenError::MapFile { name: file.to_owned(), shipped, why: why.to_string() }
+            })?;
+            (Some(Map::parse(&text, file)?), file.to_owned())
+        }
+        (None, Some(name)) => (Map::shipped(name), name.to_owned()),
+        (None, None) => (None, "generic".to_owned()),
+    };
+    Ok((Map::over_generic(own.unwrap_or_default())?, name))
+}
+
+/// What `path` holds under the map that is asked for or recognised.
+///
+/// # Errors
+/// [`OpenError`] if nothing can be read, or the map is not usable.
+pub fn survey(path: &Path, map: Option<&str>) -> Result<(Survey, Map, String), OpenError> {
+    let mut survey =
+        Survey::read(path).map_err(|why| OpenError::Container { path: path.to_owned(), why })?;
+    let (map, name) = choose_map(map, survey.family)?;
+    survey.mark(&map);
+    Ok((survey, map, name))
+}
+
+/// A file that is read twice from its start to its end.
+struct Counted<'a> {
+    file: BufReader<File>,
+    read: u64,
+    told: u64,
+    of: u64,
+    on: &'a mut dyn FnMut(u64, u64),
+}
+
+impl<'a> Counted<'a> {
+    fn open(path: &Path, on: &'a mut dyn FnMut(u64, u64)) -> std::io::Result<Self> {
+        let file = File::open(path)?;
+        let of = 2 * file.metadata()?.len();
+        Ok(Self { file: BufReader::new(file), read: 0, told: 0, of, on })
+    }
+
+    fn again(&mut self) -> std::io::Result<()> {
+        self.read = self.of / 2;
+        self.file.rewind()
+    }
+}
+
+impl Read for Counted<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        let read = self.file.read(buffer)?;
+        self.read += read as u64;
+        if self.read - self.told > TOLD_BYTES {
+            self.told = self.read;
+            (self.on)(self.read, self.of);
+        }
+        Ok(read)
+    }
+}
+
+/// Longer than what is read whole.
+fn is_long(index: &Index) -> bool {
+    index.span_ns().is_some_and(|(first, last)| (last - first) as f64 * 1e-9 > LONG_S)
+}
+
+impl OpenedFlight {
+    /// Opens `path`; `map` is the name of a shipped map or a TOML file, else the family is recognised. A long flight in an MCAP
+    /// file with chunks is read through its index, as it is played.
+    ///
+    /// # Errors
+    /// [`OpenError`] if it cannot be read, or holds no pose.
+    pub fn open(path: &Path, map: Option<&str>) -> Result<Self, OpenError> {
+        Self::open_watched(path, map, &mut |_, _| {})
+    }
+
+    /// The same; where the file must be read whole, `on` is told bytes read and bytes to read now and then.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn open_watched(
+        path: &Path,
+        map: Option<&str>,
+        on: &mut dyn FnMut(u64, u64),
+    ) -> Result<Self, OpenError> {
+        // What is wrong with the file is said by the way that reads it whole.
+        let input = File::open(path).ok().map(|file| Box::new(file) as Box<dyn Input>);
+        match input.map_or(Ok(None), |input| Self::open_long(path, map, input))? {
+            Some(long) => Ok(long),
+            None => Self::read_whole(path, map, on),
+        }
+    }
+
+    /// The flight in `input`, called `path`, through its index; `None` if it is no long one or has no index.
+    ///
+    /// # Errors
+    /// [`OpenError`] if the map is not usable, or it holds no pose.
+    pub fn open_long(
+        path: &Path,
+        map: Option<&str>,
+        input: Box<dyn Input>,
+    ) -> Result<Option<Self>, OpenError> {
+        let Some(index) = Index::new(input).ok().flatten().filter(is_long) else { return Ok(None) };
+        let mut survey = Survey::of_index(&index);
+        let (map, map_name) = choose_map(map, survey.family)?;
+        survey.mark(&map);
+        let path = path.to_owned();
+        if survey.has(TICK_TOPIC) {
+            let Some(footage) = OwnFootage::new(index) else { return Ok(None) };
+            let signals = Signals { notes: vec![AS_RECORDED.to_owned()], ..Signals::default() };
+            let recorded = footage.stretches();
+            survey.container = footage.findings().clone();
+            let (map_name, long) = ("twin".to_owned(), Some(Arc::new(footage) as Arc<dyn Footage>));
+            return Ok(Some(Self { path, survey, map, map_name, signals, recorded, long }));
+        }
+        let topics = survey.topics(SHOWN_TOPICS);
+        match judge(index, &map) {
+            Ok((judged, findings)) => {
+                survey.container = findings;
+                let (signals, recorded) = (judged.signals, judged.recorded);
+                let long = Some(Arc::new(judged.footage) as Arc<dyn Footage>);
+                Ok(Some(Self { path, survey, map, map_name, signals, recorded, long }))
+            }
+            Err(why) => Err(OpenError::Mirror { path, why, topics }),
+        }
+    }
+
+    /// The same, but everything is read and held, however long it is.
+    ///
+    /// # Errors
+    /// [`OpenError`] if it cannot be read, or holds no pose.
+    pub fn open_whole(path: &Path, map: Option<&str>) -> Result<Self, OpenError> {
+        Self::read_whole(path, map, &mut |_, _| {})
+    }
+
+    fn read_whole(
+        path: &Path,
+        map: Option<&str>,
+        on: &mut dyn FnMut(u64, u64),
+    ) -> Result<Self, OpenError> {
+        let refused = |why| OpenError::Container { path: path.to_owned(), why };
+        let mut file = Counted::open(path, on).map_err(|why| refused(why.into()))?;
+        let mut survey = Survey::read_from(&mut file).map_err(refused)?;
+        let (map, map_name) = choose_map(map, survey.family)?;
+        survey.mark(&map);
+        if survey.has(TICK_TOPIC) {
+            let signals = Signals { notes: vec![AS_RECORDED.to_owned()], ..Signals::default() };
+            let map_name = "twin".to_owned();
+            let recorded = replayed(path)?;
+            let path = path.to_owned();
+            return Ok(Self { path, survey, map, map_name, signals, recorded, long: None });
+        }
+        file.again().map_err(|why| refused(why.into()))?;
+        let gathered = gather_from(&mut file, &map).map_err(refused)?;
+        let signals = signals(&gathered);
+        let recorded = on_ticks(&signals, &map.vehicle).map_err(|why| OpenError::Mirror {
+            path: path.to_owned(),
+            why,
+            topics: survey.topics(SHOWN_TOPICS),
+        })?;
+        let path = path.to_owned();
+        Ok(Self { path, survey, map, map_name, signals, recorded, long: None })
+    }
+
+    /// Recorded by this program.
+    pub fn is_own(&self) -> bool {
+        self.survey.has(TICK_TOPIC)
+    }
+
+    /// File name without folder.
+    pub fn name(&self) -> String {
+        self.path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+    }
+
+    /// Where the force comes from, in a sentence.
+    pub fn force_sentence(&self) -> String {
+        match &self.recorded.effort {
+            Effort::Wrench { fit: None } => "force from the wrench in the log".to_owned(),
+            Effort::Wrench { fit: Some(fit) } => format!(
+                "force from the wrench in the log; the mass that fits is {:.3} kg, lag {:.2} s, R2 {:.3}",
+                1.0 / fit.gain,
+                fit.lag_s,
+                fit.r2
+            ),
+            Effort::Fitted { input, fit, .. } => {
+                format!("force from {input:?}: {}", fit.sentence())
+            }
+            Effort::Recorded => "force as the simulated vehicle measured it".to_owned(),
+            Effort::Unknown { why } => format!("no force is known: {why}"),
+        }
+    }
+
+    /// Where the torque comes from, in a sentence.
+    pub fn torque_sentence(&self) -> String {
+        match &self.recorded.effort {
+            Effort::Wrench { .. } if self.signals.torque.is_some() => {
+                "torque from the wrench in the log".to_owned()
+            }
+            Effort::Wrench { .. } => {
+                "no torque is known: the wrench in the log has none".to_owned()
+            }
+            Effort::Fitted { torque, .. } => torque.sentence(),
+            Effort::Recorded => "torque as the simulated vehicle measured it".to_owned(),
+            Effort::Unknown { .. } => "no torque is known: no force is".to_owned(),
+        }
+    }
+
+    /// The mass is neither given nor found.
+    pub fn per_kilogram(&self) -> bool {
+        self.recorded.per_kilogram(&self.map.vehicle)
+    }
+}

@@ -1,0 +1,103 @@
+use foxglove::Encode;
+use foxglove::messages::{
+    FrameTransform, FrameTransforms, JointState, JointStates, Quaternion, Timestamp, Vector3,
+};
+
+use super::*;
+use crate::value::Path;
+
+/// A field of bytes, by hand.
+fn inside(number: u8, bytes: &[u8]) -> Vec<u8> {
+    [&[(number << 3) | 2, bytes.len() as u8][..], bytes].concat()
+}
+
+fn text(number: u8, text: &str) -> Vec<u8> {
+    inside(number, text.as_bytes())
+}
+
+/// Schema and bytes as Foxglove's own library writes them.
+fn written<M: Encode>(message: &M) -> (Descriptor, Vec<u8>) {
+    let schema = M::get_schema().unwrap();
+    let mut bytes = Vec::new();
+    message.encode(&mut bytes).unwrap();
+    (Descriptor::parse(&schema.name, &schema.data).unwrap(), bytes)
+}
+
+fn transforms() -> FrameTransforms {
+    let one = |name: &str, x: f64| FrameTransform {
+        timestamp: Some(Timestamp::new(1_700_000_000, 5)),
+        parent_frame_id: "world".to_owned(),
+        child_frame_id: name.to_owned(),
+        translation: Some(Vector3 { x, y: 0.0, z: -2.5 }),
+        rotation: Some(Quaternion { x: 0.0, y: 0.0, z: 0.0, w: 1.0 }),
+    };
+    FrameTransforms { transforms: vec![one("arm", 1.0), one("base_link", 2.0)] }
+}
+
+#[test]
+fn what_foxgloves_library_wrote_is_read_with_its_defaults() {
+    let (descriptor, bytes) = written(&transforms());
+    let value = descriptor.decode(&bytes).unwrap();
+    let number = |path: &str| value.number(&Path::parse(path).unwrap());
+    assert_eq!(number("transforms[child_frame_id=base_link].translation.x"), Some(2.0));
+    assert_eq!(number("transforms[1].translation.z"), Some(-2.5));
+    // Zero is not sent.
+    assert_eq!(number("transforms[child_frame_id=arm].translation.y"), Some(0.0));
+    assert_eq!(number("transforms[0].timestamp.seconds"), Some(1.7e9));
+    let joints = JointStates {
+        timestamp: None,
+        joints: vec![JointState {
+            name: "q0".to_owned(),
+            position: Some(0.25),
+            velocity: None,
+            acceleration: None,
+            effort: None,
+        }],
+    };
+    let (descriptor, bytes) = written(&joints);
+    let value = descriptor.decode(&bytes).unwrap();
+    assert_eq!(value.number(&Path::parse("joints[name=q0].position").unwrap()), Some(0.25));
+    assert!(value.at(&Path::parse("timestamp").unwrap()).is_none());
+}
+
+#[test]
+fn numbers_of_every_kind_come_back_packed_and_not() {
+    // A descriptor by hand, from descriptor.proto: message T of package p with one repeated field a of each type.
+    let set = |kind: u64| {
+        let field = [text(1, "a"), vec![3 << 3, 1, 4 << 3, 3, 5 << 3, kind as u8]].concat();
+        let message = [text(1, "T"), inside(2, &field)].concat();
+        inside(1, &[text(2, "p"), inside(4, &message)].concat())
+    };
+    for (kind, sent, wanted) in [
+        (DOUBLE, (-1.5_f64).to_le_bytes().to_vec(), -1.5),
+        (FLOAT, 0.5_f32.to_le_bytes().to_vec(), 0.5),
+        (INT32, vec![0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 1], -1.0),
+        (13, vec![0xAC, 2], 300.0),
+        (SINT32, vec![3], -2.0),
+        (SFIXED32, (-7_i32).to_le_bytes().to_vec(), -7.0),
+        (SFIXED64, (-8_i64).to_le_bytes().to_vec(), -8.0),
+        (8, vec![1], 1.0),
+    ] {
+        let descriptor = Descriptor::parse("p.T", &set(kind)).unwrap();
+        let single = [vec![(1 << 3) | wire_of(kind)], sent.clone()].concat();
+        let packed = inside(1, &sent);
+        for bytes in [single, packed] {
+            let value = descriptor.decode(&bytes).unwrap();
+            assert_eq!(value.at(&Path::parse("a").unwrap()).unwrap().numbers(), [wanted], "{kind}");
+        }
+    }
+}
+
+#[test]
+fn a_message_cut_anywhere_ends_and_a_type_that_contains_itself_ends() {
+    let (descriptor, bytes) = written(&transforms());
+    let bad = (0..bytes.len()).filter(|end| descriptor.decode(&bytes[..*end]).is_err()).count();
+    // A cut between two transforms, or before the first byte, is a whole message with less in it.
+    assert_eq!(bad, bytes.len() - 2);
+    let field = [text(1, "a"), vec![3 << 3, 1, 5 << 3, MESSAGE as u8], text(6, ".T")].concat();
+    let set = inside(1, &inside(4, &[text(1, "T"), inside(2, &field)].concat()));
+    let descriptor = Descriptor::parse("T", &set).unwrap();
+    let deep = (0..40).fold(Vec::new(), |inner: Vec<u8>, _| inside(1, &inner));
+    assert!(descriptor.decode(&deep).unwrap_err().contains("deeper"));
+    assert!(Descriptor::parse("U", &set).unwrap_err().contains("no type U"));
+}

@@ -1,0 +1,335 @@
+//! A recorded flight on the ticks of the loop: coordinates, rates, accelerations and applied force, with what is known of them.
+//!
+//! Position is interpolated by cubics, attitude by SLERP, the rest linearly; inside gaps nothing is known. Acceleration is the
+//! best of: slope of a measured rate, accelerometer, curvature of the pose. It passes `H`, and a second time where the pose was
+//! differentiated twice, because `H` alone leaves that noise as it is. Applied force passes the same.
+
+use std::ops::Range;
+
+use nalgebra::{Vector2, Vector3};
+
+pub use super::derivation::Derivation;
+use super::effort::{Effort, Settled, effort};
+use super::grid::{Ticks, curvature, filtered, filtered_times, slope};
+use super::inertial;
+use super::signals::Signals;
+use super::topics::VehicleFacts;
+use twin_core::notation::{
+    Coords, N, TICK_S, body_rate_from_euler_rate, euler_from_rotation, euler_rate_from_body_rate,
+    world_from_body, wrap_angle,
+};
+
+/// Longest flight, ticks: ten hours.
+pub(super) const MOST_TICKS: f64 = 3.6e6;
+
+/// Rows of the arm, the last ones.
+pub(super) const ARM_ROWS: usize = 2;
+
+/// One tick; `None` is unknown.
+#[derive(Clone, Debug, Default)]
+pub struct Instant {
+    /// Coordinates per row.
+    pub chi: [Option<f64>; N],
+    /// Rates per row.
+    pub chi_dot: [Option<f64>; N],
+    /// Accelerations through `H` per row.
+    pub chi_ddot: [Option<f64>; N],
+    /// Applied generalised force through `H` per row.
+    pub tau: [Option<f64>; N],
+}
+
+/// A whole flight.
+#[derive(Clone, Debug)]
+pub struct RecordedFlight {
+    /// Time of every tick, s from the first sample of the recording.
+    pub times_s: Vec<f64>,
+    /// Ticks.
+    pub instants: Vec<Instant>,
+    /// Where the applied force comes from.
+    pub effort: Effort,
+    /// Mass in use, kg: as given, else as it fits the wrench, else 1.
+    pub mass_kg: f64,
+    /// Whether the vehicle flies, per tick, as far as its thrust tells.
+    pub airborne: Vec<bool>,
+    /// `M_bar` that the residual is to be formed with; `None` for one of the mass and inertia that are known.
+    pub nominal_inertia: Option<Coords>,
+    /// Where the accelerations of translation and rotation come from.
+    pub acceleration: [Derivation; 2],
+    /// Thrust above which the vehicle is taken to fly, in the thrust's unit.
+    pub airborne_above: f64,
+    /// Names of the joints in the rows q1 and q2, as far as the recording has any.
+    pub joint_names: Vec<String>,
+}
+
+/// Why there is nothing to mirror.
+#[derive(Debug, thiserror::Error)]
+pub enum MirrorError {
+    /// Neither position nor attitude.
+    #[error(
+        "no position and no attitude in this recording; say with --map which topic and fields hold them"
+    )]
+    NoPose,
+    /// Times that no flight has.
+    #[error(
+        "the recording spans {0:.0} s, at most ten hours are mirrored; a clock in it is broken"
+    )]
+    TooLong(f64),
+}
+
+/// Puts `signals` onto ticks.
+///
+/// # Errors
+/// [`MirrorError`] if there is no pose.
+pub fn on_ticks(signals: &Signals, facts: &VehicleFacts) -> Result<RecordedFlight, MirrorError> {
+    let spans = [
+        signals.position.as_ref().and_then(super::series::Series::span),
+        signals.attitude.as_ref().and_then(super::series::Attitudes::span),
+    ];
+    let spans = || spans.iter().flatten();
+    let start_s = spans().map(|span| span.0).reduce(f64::min).ok_or(MirrorError::NoPose)?;
+    let end_s = spans().map(|span| span.1).fold(start_s, f64::max);
+    let ticks = tick_count(start_s, end_s)?;
+    let times_s: Vec<f64> = (0..ticks).map(|i| start_s + i as f64 * TICK_S).collect();
+    Ok(on_times(signals, facts, times_s, Reading::Whole))
+}
+
+/// Ticks from the first time to the second.
+pub(super) fn tick_count(start_s: f64, end_s: f64) -> Result<usize, MirrorError> {
+    let ticks = ((end_s - start_s) / TICK_S).floor() + 1.0;
+    if ticks <= MOST_TICKS {
+        Ok(ticks as usize)
+    } else {
+        Err(MirrorError::TooLong(end_s - start_s))
+    }
+}
+
+/// How much of a flight is put onto ticks.
+#[derive(Clone, Copy)]
+pub(super) enum Reading<'a> {
+    /// All of it.
+    Whole,
+    /// Stretches with a tick of which nothing is known between them.
+    Stretches,
+    /// A part; what was found for the whole holds.
+    Part(&'a Settled),
+}
+
+/// Puts `signals` onto the ticks at `times_s`, which are a tick apart wherever anything is known.
+pub(super) fn on_times(
+    signals: &Signals,
+    facts: &VehicleFacts,
+    times_s: Vec<f64>,
+    reading: Reading<'_>,
+) -> RecordedFlight {
+    let settled = if let Reading::Part(settled) = reading { Some(settled) } else { None };
+    let parts = !matches!(reading, Reading::Whole);
+    let mut instants = vec![Instant::default(); times_s.len()];
+    let eta = attitude(signals, &times_s);
+    let (acceleration, of_translation) = translation(signals, &times_s, &eta, &mut instants, parts);
+    let of_rotation = rotation(signals, &times_s, &eta, &mut instants);
+    arm(signals, &times_s, &mut instants);
+    let mass_kg = settled.map_or_else(|| facts.mass_kg.unwrap_or(1.0), |settled| settled.mass_kg);
+    let passes = of_translation.passes();
+    let found = effort(signals, &times_s, &eta, &acceleration, passes, mass_kg, settled);
+    let mut effort = found.effort;
+    // A wrench in N without a mass beside it: the mass that fits the flight.
+    let mass_kg = match (&effort, facts.mass_kg) {
+        (Effort::Wrench { fit: Some(fit) }, None) if fit.gain > 0.0 => 1.0 / fit.gain,
+        _ => mass_kg,
+    };
+    let torque: Ticks<3> = match (&mut effort, &signals.torque) {
+        (Effort::Wrench { .. }, Some(torque)) => {
+            times_s.iter().map(|t| torque.linear(*t)).collect()
+        }
+        (Effort::Fitted { torque, .. }, _) => {
+            let flown = (times_s.as_slice(), &eta, found.airborne.as_slice());
+            let (gains, moments) =
+                super::torque::torque(signals, flown, of_rotation, facts.inertia_kg_m2, settled);
+            **torque = gains;
+            moments
+        }
+        _ => vec![None; times_s.len()],
+    };
+    let force = per_attitude(&found.body_force, &eta, |eta, force| world_from_body(eta) * force);
+    let moment =
+        per_attitude(&torque, &eta, |eta, m| body_rate_from_euler_rate(eta).transpose() * m);
+    store(&mut instants, 0, &filtered_times(&force, of_translation.passes()), |i| &mut i.tau);
+    store(&mut instants, 3, &filtered_times(&moment, of_rotation.passes()), |i| &mut i.tau);
+    if let Effort::Fitted { torque, .. } = &effort {
+        for row in (0..3).filter(|axis| !torque.known()[*axis]).map(|axis| 3 + axis) {
+            for instant in &mut instants {
+                instant.tau[row] = None;
+            }
+        }
+    }
+    let acceleration = [of_translation, of_rotation];
+    let joints = signals.joints.iter().flat_map(|(names, _)| names);
+    RecordedFlight {
+        times_s,
+        instants,
+        effort,
+        mass_kg,
+        airborne: found.airborne,
+        nominal_inertia: None,
+        acceleration,
+        airborne_above: found.threshold,
+        joint_names: joints.take(ARM_ROWS).cloned().collect(),
+    }
+}
+
+/// `f` of attitude and value where both are known.
+fn per_attitude(
+    values: &Ticks<3>,
+    eta: &Ticks<3>,
+    f: impl Fn(&Vector3<f64>, &Vector3<f64>) -> Vector3<f64>,
+) -> Ticks<3> {
+    values.iter().zip(eta).map(|(value, eta)| Some(f(eta.as_ref()?, value.as_ref()?))).collect()
+}
+
+fn store<const D: usize>(
+    instants: &mut [Instant],
+    first_row: usize,
+    values: &Ticks<D>,
+    of: impl Fn(&mut Instant) -> &mut [Option<f64>; N],
+) {
+    for (instant, value) in instants.iter_mut().zip(values) {
+        for row in 0..D {
+            of(instant)[first_row + row] = value.map(|v| v[row]);
+        }
+    }
+}
+
+/// `[phi theta psi]` per tick, `psi` unwrapped.
+fn attitude(signals: &Signals, times_s: &[f64]) -> Ticks<3> {
+    let Some(attitudes) = &signals.attitude else { return vec![None; times_s.len()] };
+    let mut last_psi: Option<f64> = None;
+    let unwrapped = |t_s: &f64| {
+        let q = attitudes.slerp(*t_s)?;
+        let mut eta = euler_from_rotation(q.to_rotation_matrix().matrix());
+        if let Some(last) = last_psi {
+            eta.z = last + wrap_angle(eta.z - last);
+        }
+        last_psi = Some(eta.z);
+        Some(eta)
+    };
+    times_s.iter().map(unwrapped).collect()
+}
+
+/// Rows x y z; returns the acceleration and how it was got.
+fn translation(
+    signals: &Signals,
+    times_s: &[f64],
+    eta: &Ticks<3>,
+    instants: &mut [Instant],
+    parts: bool,
+) -> (Ticks<3>, Derivation) {
+    let Some(position) = &signals.position else {
+        return (vec![None; times_s.len()], Derivation::Unknown);
+    };
+    let chi: Ticks<3> = times_s.iter().map(|t_s| position.cubic(*t_s)).collect();
+    let measured: Option<Ticks<3>> = match (&signals.velocity, &signals.body_velocity) {
+        (Some(velocity), _) => Some(times_s.iter().map(|t_s| velocity.cubic(*t_s)).collect()),
+        (None, Some(velocity)) => {
+            let one = |(t_s, eta): (&f64, &Option<Vector3<f64>>)| {
+                Some(world_from_body(eta.as_ref()?) * velocity.cubic(*t_s)?)
+            };
+            Some(times_s.iter().zip(eta).map(one).collect())
+        }
+        (None, None) => None,
+    };
+    let (raw, derivation) = match (&measured, &signals.specific_force) {
+        (Some(velocity), _) => (slope(velocity), Derivation::MeasuredRate),
+        (None, Some(specific_force)) => {
+            let raw = inertial::acceleration(specific_force, times_s, eta, &chi, parts);
+            (raw, Derivation::Accelerometer)
+        }
+        (None, None) => (curvature(&chi), Derivation::Pose),
+    };
+    let acceleration = filtered_times(&raw, derivation.passes());
+    let velocity = measured.unwrap_or_else(|| filtered(&slope(&chi), false));
+    store(instants, 0, &chi, |i| &mut i.chi);
+    store(instants, 0, &velocity, |i| &mut i.chi_dot);
+    store(instants, 0, &acceleration, |i| &mut i.chi_ddot);
+    (acceleration, derivation)
+}
+
+/// Rows phi theta psi; returns how the acceleration was got.
+fn rotation(
+    signals: &Signals,
+    times_s: &[f64],
+    eta: &Ticks<3>,
+    instants: &mut [Instant],
+) -> Derivation {
+    let measured: Option<Ticks<3>> = signals.body_rate.as_ref().map(|rate| {
+        let one = |(t_s, eta): (&f64, &Option<Vector3<f64>>)| {
+            Some(euler_rate_from_body_rate(eta.as_ref()?) * rate.cubic(*t_s)?)
+        };
+        times_s.iter().zip(eta).map(one).collect()
+    });
+    let (raw, derivation) = match &measured {
+        Some(rate) => (slope(rate), Derivation::MeasuredRate),
+        None => (curvature(eta), Derivation::Pose),
+    };
+    let acceleration = filtered_times(&raw, derivation.passes());
+    let rate = measured.unwrap_or_else(|| filtered(&slope(eta), false));
+    store(instants, 3, eta, |i| &mut i.chi);
+    store(instants, 3, &rate, |i| &mut i.chi_dot);
+    store(instants, 3, &acceleration, |i| &mut i.chi_ddot);
+    derivation
+}
+
+/// Rows q1 q2 for as many joints as there are; their torques are unknown.
+fn arm(signals: &Signals, times_s: &[f64], instants: &mut [Instant]) {
+    let Some((names, series)) = &signals.joints else { return };
+    let joints: Ticks<2> = times_s.iter().map(|t_s| series.cubic(*t_s)).collect();
+    let (rate, acceleration) =
+        (filtered(&slope(&joints), false), filtered(&curvature(&joints), true));
+    let only = |values: &Ticks<2>,
+                instants: &mut [Instant],
+                of: fn(&mut Instant) -> &mut [Option<f64>; N]| {
+        for (instant, value) in instants.iter_mut().zip(values) {
+            for row in 0..names.len().min(ARM_ROWS) {
+                of(instant)[6 + row] = value.map(|v: Vector2<f64>| v[row]);
+            }
+        }
+    };
+    only(&joints, instants, |i| &mut i.chi);
+    only(&rate, instants, |i| &mut i.chi_dot);
+    only(&acceleration, instants, |i| &mut i.chi_ddot);
+}
+
+impl RecordedFlight {
+    /// These ticks of it alone.
+    pub(super) fn only(mut self, ticks: Range<usize>) -> Self {
+        self.times_s = self.times_s[ticks.clone()].to_vec();
+        self.instants = self.instants[ticks.clone()].to_vec();
+        self.airborne = self.airborne[ticks].to_vec();
+        self
+    }
+
+    /// The mass is neither given nor found: forces are per kilogram.
+    pub fn per_kilogram(&self, facts: &VehicleFacts) -> bool {
+        let known = matches!(self.effort, Effort::Wrench { fit: Some(_) } | Effort::Recorded);
+        facts.mass_kg.is_none() && !known
+    }
+
+    /// Inertia about the body axes that fitted torques are with, kg m²; `None` without any.
+    pub fn fitted_inertia(&self) -> Option<[f64; 3]> {
+        match &self.effort {
+            Effort::Fitted { torque, .. } if torque.known().contains(&true) => {
+                Some(torque.inertia_kg_m2)
+            }
+            _ => None,
+        }
+    }
+
+    /// Whether a residual of `row` is known at a tick in the air: on the ground it would be the floor that is learned.
+    pub fn residual_counts(&self, tick: usize, row: usize) -> bool {
+        self.airborne.get(tick).copied().unwrap_or(false) && self.residual_known(tick, row)
+    }
+
+    /// Whether the residual of `row` is known at a tick.
+    pub fn residual_known(&self, tick: usize, row: usize) -> bool {
+        self.instants.get(tick).is_some_and(|i| i.tau[row].is_some() && i.chi_ddot[row].is_some())
+    }
+}

@@ -1,0 +1,183 @@
+//! A flight that this program recorded: its measurements are taken as they are, nothing is resampled.
+
+use std::path::Path;
+
+use serde::{Deserialize, Deserializer};
+
+use super::effort::Effort;
+use super::recorded::{ARM_ROWS, Derivation, Instant, RecordedFlight};
+use twin_core::notation::{Coords, N, ROWS};
+use twin_core::tick::Measurement;
+use twin_record::recording::{Recording, RecordingError, read_recording};
+
+/// Reads the recording in `path` as a flight to mirror.
+///
+/// # Errors
+/// [`RecordingError`] if it cannot be read or holds no tick.
+pub(super) fn replayed(path: &Path) -> Result<RecordedFlight, RecordingError> {
+    let recording = read_recording(path)?;
+    let measured = || recording.ticks.iter().map(|tick| &tick.measurement);
+    Ok(as_recorded(
+        measured().map(|m| m.t_s).collect(),
+        measured().map(|m| instant(m, recording.is_mirrored())).collect(),
+        recorded_nominal_inertia(&recording),
+        joint_names(recording.metadata.get("joints").map(String::as_str)),
+    ))
+}
+
+/// A flight as it was recorded, under this `M_bar` and with these joints.
+pub(super) fn as_recorded(
+    times_s: Vec<f64>,
+    instants: Vec<Instant>,
+    nominal_inertia: Option<Coords>,
+    joint_names: Vec<String>,
+) -> RecordedFlight {
+    RecordedFlight {
+        airborne: vec![true; instants.len()],
+        times_s,
+        instants,
+        effort: Effort::Recorded,
+        mass_kg: nominal_inertia.map_or(1.0, |inertia| inertia[0]),
+        acceleration: [Derivation::Recorded; 2],
+        airborne_above: 0.0,
+        nominal_inertia,
+        joint_names,
+    }
+}
+
+impl From<&Measurement> for Instant {
+    fn from(measurement: &Measurement) -> Self {
+        let all = |values: &Coords| std::array::from_fn(|row| Some(values[row]));
+        Self {
+            chi: all(&measurement.chi),
+            chi_dot: all(&measurement.chi_dot),
+            chi_ddot: all(&measurement.chi_ddot),
+            tau: all(&measurement.tau_applied),
+        }
+    }
+}
+
+/// The tick that was measured; of a `mirrored` flight what is not a number is unknown.
+pub(super) fn instant(measurement: &Measurement, mirrored: bool) -> Instant {
+    let mut instant = Instant::from(measurement);
+    if mirrored {
+        let Instant { chi, chi_dot, chi_ddot, tau } = &mut instant;
+        for values in [chi, chi_dot, chi_ddot, tau] {
+            for value in values {
+                *value = value.filter(|v| v.is_finite());
+            }
+        }
+    }
+    instant
+}
+
+/// Motion and force of a recorded tick: all that a mirror takes of it.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Moved {
+    /// Time, s.
+    pub(super) t_s: f64,
+    /// The tick; of a `mirrored` flight what is not a number is unknown, of another it is NaN.
+    pub(super) instant: Instant,
+}
+
+/// A measurement with `null` where it is not a number.
+#[derive(Deserialize)]
+struct Text {
+    // An absent field would pass for a `null` otherwise.
+    #[serde(deserialize_with = "number")]
+    t_s: Option<f64>,
+    chi: [Option<f64>; N],
+    chi_dot: [Option<f64>; N],
+    chi_ddot: [Option<f64>; N],
+    tau_applied: [Option<f64>; N],
+}
+
+/// A tick of which the measurement alone is read.
+#[derive(Deserialize)]
+struct WholeText {
+    measurement: Text,
+}
+
+fn number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
+    Option::deserialize(deserializer)
+}
+
+impl Moved {
+    /// Of the JSON of a measurement, or of a whole tick. The same numbers as of the records themselves, without reading the rest.
+    pub(super) fn from_json(
+        text: &[u8],
+        is_whole_tick: bool,
+        mirrored: bool,
+    ) -> Result<Self, serde_json::Error> {
+        let read = if is_whole_tick {
+            serde_json::from_slice::<WholeText>(text)?.measurement
+        } else {
+            serde_json::from_slice::<Text>(text)?
+        };
+        let known = |values: [Option<f64>; N]| {
+            if mirrored { values } else { values.map(|value| value.or(Some(f64::NAN))) }
+        };
+        let instant = Instant {
+            chi: known(read.chi),
+            chi_dot: known(read.chi_dot),
+            chi_ddot: known(read.chi_ddot),
+            tau: known(read.tau_applied),
+        };
+        Ok(Self { t_s: read.t_s.unwrap_or(f64::NAN), instant })
+    }
+}
+
+/// The arm's joints by the names of the URDF, as the metadata `joints` tells them; recordings that do not tell them have them by
+/// the names of their rows.
+pub(super) fn joint_names(told: Option<&str>) -> Vec<String> {
+    let told = told.and_then(|names| serde_json::from_str(names).ok());
+    told.unwrap_or_else(|| ROWS[N - ARM_ROWS..].iter().map(|row| (*row).to_owned()).collect())
+}
+
+/// `M_bar` of the gains that the recording says it was flown with, kg and kg m².
+pub fn recorded_nominal_inertia(recording: &Recording) -> Option<Coords> {
+    nominal_inertia(recording.metadata.get("gains")?)
+}
+
+/// `M_bar` of gains as JSON, kg and kg m².
+pub(super) fn nominal_inertia(gains: &str) -> Option<Coords> {
+    let gains: serde_json::Value = serde_json::from_str(gains).ok()?;
+    serde_json::from_value(gains.get("gains")?.get("nominal_inertia")?.clone()).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use twin_record::{fixture, lossless};
+
+    #[test]
+    fn what_is_read_of_the_text_alone_is_what_the_record_says_bit_for_bit() {
+        let bits = |instant: &Instant| {
+            let all = [instant.chi, instant.chi_dot, instant.chi_ddot, instant.tau];
+            all.map(|values| values.map(|value| value.map(f64::to_bits)))
+        };
+        for (mirrored, hole) in [(false, 0.25), (false, f64::NAN), (true, 0.25), (true, f64::NAN)] {
+            let mut tick = fixture::tick(3);
+            tick.measurement.chi[1] = hole;
+            tick.measurement.tau_applied[7] = hole;
+            tick.measurement.chi_ddot[0] = f64::from_bits(0x3FB9_9999_9999_999A);
+            let whole = serde_json::to_vec(&tick).unwrap();
+            let alone = serde_json::to_vec(&tick.measurement).unwrap();
+            let record: Measurement = lossless::from_json(&alone).unwrap();
+            for (text, is_whole_tick) in [(whole, true), (alone, false)] {
+                let moved = Moved::from_json(&text, is_whole_tick, mirrored).unwrap();
+                assert_eq!(bits(&moved.instant), bits(&instant(&record, mirrored)), "{hole}");
+                assert_eq!(moved.t_s.to_bits(), record.t_s.to_bits());
+            }
+        }
+    }
+
+    #[test]
+    fn text_that_is_no_measurement_is_an_error() {
+        let mut tick = serde_json::to_value(&fixture::tick(0).measurement).unwrap();
+        tick.as_object_mut().unwrap().remove("t_s");
+        for text in ["", "{", "null", "[]", r#"{"t_s":1.0}"#, &tick.to_string()] {
+            assert!(Moved::from_json(text.as_bytes(), false, false).is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! Residuals and predictions of a mirrored flight, over the rows and ticks at which they are known.
+//!
+//! Every prediction is a priori: `base_j + W'_{t-1} g'_t`, made before `r_t` was seen, scored against `r_{t+j}`; persistence is
+//! `r_{t-1}` for every `j`.
+
+use std::collections::VecDeque;
+
+use serde::Serialize;
+
+use super::shadow::unit;
+use twin_core::elementary::squared;
+use twin_core::notation::{Coords, N, ROWS};
+use twin_core::residual::HORIZON;
+use twin_core::tick::Tick;
+
+/// What was found per row and per horizon.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Scored {
+    /// Rows in order.
+    pub rows: Vec<RowReport>,
+    /// Errors by horizon, `j = 0..=k`.
+    pub prediction: Vec<HorizonReport>,
+}
+
+/// One row.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RowReport {
+    /// Name.
+    pub row: &'static str,
+    /// Share of ticks at which the coordinate is known.
+    pub coordinate_known: f64,
+    /// Share of ticks at which the residual is known in the air; 0 is an unknown row, not a residual of zero.
+    pub residual_known: f64,
+    /// Statistics of the residual; absent if it is never known.
+    pub residual: Option<ResidualReport>,
+}
+
+/// Statistics of a residual, in `unit`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ResidualReport {
+    /// N or N m.
+    pub unit: &'static str,
+    /// Mean.
+    pub mean: f64,
+    /// Standard deviation.
+    pub std: f64,
+    /// Smallest.
+    pub min: f64,
+    /// Largest.
+    pub max: f64,
+}
+
+/// Errors at one horizon.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct HorizonReport {
+    /// Ticks ahead.
+    pub j: usize,
+    /// Root mean square error over known rows and ticks, in standard deviations of each row's residual.
+    pub rmse_z: Option<f64>,
+    /// The same of persistence.
+    pub persistence_rmse_z: Option<f64>,
+    /// Forecasts scored.
+    pub samples: usize,
+}
+
+#[derive(Clone, Copy)]
+struct Sum {
+    count: f64,
+    total: f64,
+    squares: f64,
+    min: f64,
+    max: f64,
+}
+
+const EMPTY: Sum = Sum { count: 0.0, total: 0.0, squares: 0.0, min: f64::MAX, max: f64::MIN };
+
+/// A forecast waiting for what it forecast.
+struct Pending {
+    correction: Coords,
+    base: Vec<Coords>,
+    persistence: Coords,
+    known: [bool; N],
+}
+
+/// Collects tick by tick.
+pub(super) struct Score {
+    scale: Coords,
+    /// Ticks at which the coordinate of a row is known.
+    coordinates: [usize; N],
+    rows: [Sum; N],
+    squares: [[f64; 2]; HORIZON + 1],
+    samples: [usize; HORIZON + 1],
+    pending: VecDeque<Pending>,
+    last: Option<(Coords, [bool; N])>,
+}
+
+impl Score {
+    /// `scale` is the standard deviation of each row's residual.
+    pub(super) fn new(scale: Coords) -> Self {
+        Self {
+            scale,
+            coordinates: [0; N],
+            rows: [EMPTY; N],
+            squares: [[0.0; 2]; HORIZON + 1],
+            samples: [0; HORIZON + 1],
+            pending: VecDeque::new(),
+            last: None,
+        }
+    }
+
+    /// One tick, which of its coordinates and which of its residual's rows are known.
+    pub(super) fn add(&mut self, tick: &Tick, coordinates: [bool; N], known: [bool; N]) {
+        let r = tick.residual;
+        self.coordinates
+            .iter_mut()
+            .zip(coordinates)
+            .for_each(|(n, known)| *n += usize::from(known));
+        for row in (0..N).filter(|row| known[*row]) {
+            let sum = &mut self.rows[row];
+            sum.count += 1.0;
+            sum.total += r[row];
+            sum.squares += r[row] * r[row];
+            sum.min = sum.min.min(r[row]);
+            sum.max = sum.max.max(r[row]);
+        }
+        let base = &tick.forecast.base;
+        if let (Some((persistence, was_known)), Some(first)) = (self.last, base.first()) {
+            self.pending.push_front(Pending {
+                correction: tick.adapted.r_hat_prior - first,
+                base: base.clone(),
+                persistence,
+                known: was_known,
+            });
+        } else {
+            self.pending.clear();
+        }
+        self.pending.truncate(HORIZON + 1);
+        for (j, made) in self.pending.iter().enumerate() {
+            let forecast = made.base.get(j).or(made.base.last()).map(|base| base + made.correction);
+            let Some(forecast) = forecast else { continue };
+            for row in (0..N).filter(|row| known[*row] && made.known[*row]) {
+                let z = |error: f64| squared(error / self.scale[row]);
+                self.squares[j][0] += z(r[row] - forecast[row]);
+                self.squares[j][1] += z(r[row] - made.persistence[row]);
+                self.samples[j] += 1;
+            }
+        }
+        self.last = Some((r, known));
+    }
+
+    /// The tables of a flight of so many ticks.
+    pub(super) fn finish(self, ticks: usize) -> Scored {
+        let ticks = ticks.max(1) as f64;
+        let rows = (0..N).map(|row| {
+            let sum = self.rows[row];
+            let mean = sum.total / sum.count.max(1.0);
+            RowReport {
+                row: ROWS[row],
+                coordinate_known: self.coordinates[row] as f64 / ticks,
+                residual_known: sum.count / ticks,
+                residual: (sum.count > 0.0).then(|| ResidualReport {
+                    unit: unit(row),
+                    mean,
+                    std: (sum.squares / sum.count - mean * mean).max(0.0).sqrt(),
+                    min: sum.min,
+                    max: sum.max,
+                }),
+            }
+        });
+        let prediction = (0..=HORIZON).map(|j| {
+            let root =
+                |sum: f64| (self.samples[j] > 0).then(|| (sum / self.samples[j] as f64).sqrt());
+            HorizonReport {
+                j,
+                rmse_z: root(self.squares[j][0]),
+                persistence_rmse_z: root(self.squares[j][1]),
+                samples: self.samples[j],
+            }
+        });
+        Scored { rows: rows.collect(), prediction: prediction.collect() }
+    }
+}

@@ -1,0 +1,137 @@
+//! A long flight is judged by stretches of it, evenly spread from its start to its end: what to read, how to place it on one
+//! clock, which gain the thrust has. The whole would take minutes to read.
+
+use super::container::Findings;
+use super::effort::Settled;
+use super::footage::ForeignFootage;
+use super::gather::{Collector, Gathered};
+use super::index::Index;
+use super::recorded::{MirrorError, Reading, RecordedFlight, on_times, tick_count};
+use super::signals::{Signals, signals_of};
+use super::topics::Map;
+use twin_core::notation::TICK_S;
+
+/// A flight that lasts longer is read around the playhead, s.
+pub const LONG_S: f64 = 120.0;
+
+/// Stretches that are read of it.
+pub(super) const STRETCHES: u64 = 8;
+
+/// Length of a stretch, s: a few periods of any motion, and an accelerometer's bias is known after two.
+pub(super) const STRETCH_S: f64 = 8.0;
+
+const NS: f64 = 1e9;
+
+/// A long flight of another program: what its stretches say, and the way to the rest of it.
+pub(super) struct Judged {
+    /// What was chosen.
+    pub signals: Signals,
+    /// The stretches on ticks.
+    pub recorded: RecordedFlight,
+    /// The whole.
+    pub footage: ForeignFootage,
+}
+
+/// First and last time of each stretch between two times, ns.
+fn stretches(from_ns: u64, to_ns: u64) -> Vec<(u64, u64)> {
+    let length_ns = (STRETCH_S * NS) as u64;
+    let last_start = to_ns.saturating_sub(length_ns).max(from_ns);
+    let step_ns = (last_start - from_ns) / (STRETCHES - 1);
+    // The last one ends where the flight ends.
+    let start = |k| if k + 1 == STRETCHES { last_start } else { from_ns + k * step_ns };
+    (0..STRETCHES).map(|k| (start(k), start(k).saturating_add(length_ns).min(to_ns))).collect()
+}
+
+/// The messages of the stretches that `map` asks for.
+fn gather(index: &mut Index, map: &Map, stretches: &[(u64, u64)]) -> Gathered {
+    let mut collector = Collector::new(map, None);
+    let mut problems = Vec::new();
+    index.table.definitions.records(&mut |record| collector.take(record));
+    let mut numbers: Vec<usize> =
+        stretches.iter().flat_map(|(from, to)| index.between(*from, *to)).collect();
+    numbers.sort_unstable();
+    numbers.dedup();
+    for number in numbers {
+        if let Err(why) = index.unpack(number, &mut |record| collector.take(record)) {
+            problems.push(why);
+        }
+    }
+    index.table.findings.chunks_lost += problems.len() as u64;
+    for why in problems {
+        index.table.findings.problem(why);
+    }
+    let mut gathered = collector.finish();
+    let inside = |ns: u64| stretches.iter().any(|(from, to)| (*from..=*to).contains(&ns));
+    for track in &mut gathered.tracks {
+        track.samples.retain(|sample| inside(sample.log_ns));
+    }
+    gathered
+}
+
+/// Judges the flight in `index` by its stretches, and says what is wrong with the file.
+///
+/// # Errors
+/// [`MirrorError`] if they hold no pose.
+pub(super) fn judge(mut index: Index, map: &Map) -> Result<(Judged, Findings), MirrorError> {
+    let (from_ns, to_ns) = index.span_ns().ok_or(MirrorError::NoPose)?;
+    let stretches = stretches(from_ns, to_ns);
+    let gathered = gather(&mut index, map, &stretches);
+    let unread: Vec<(u64, u64)> = stretches.windows(2).map(|pair| (pair[0].1, pair[1].0)).collect();
+    let mut signals = signals_of(&gathered, &unread);
+    let seconds = |ns: u64| (i128::from(ns) - i128::from(signals.start_ns)) as f64 / NS;
+    let (start_s, end_s) = flight_span(&signals, seconds(stretches[0].1), seconds(to_ns))?;
+    let ticks = tick_count(start_s, end_s)?;
+    let mut times_s = Vec::new();
+    for (from, to) in &stretches {
+        let number = |s: f64| ((s - start_s) / TICK_S).max(0.0);
+        let inside = number(seconds(*from)).ceil() as usize..number(seconds(*to)) as usize;
+        times_s.extend(inside.filter(|tick| *tick < ticks).map(|t| start_s + t as f64 * TICK_S));
+        // Of the time after a stretch nothing is known: here the filters start anew.
+        times_s.push(seconds(*to) + super::series::LONGEST_HOLE_S);
+    }
+    let recorded = on_times(&signals, &map.vehicle, times_s, Reading::Stretches);
+    let settled = Settled {
+        effort: recorded.effort.clone(),
+        mass_kg: recorded.mass_kg,
+        threshold: recorded.airborne_above,
+    };
+    signals.notes.push(format!(
+        "a flight of {:.0} s: it is read around the playhead, and what is said of its topics, gains and scales is from {STRETCHES} stretches of {STRETCH_S:.0} s",
+        end_s - start_s
+    ));
+    let findings = index.table.findings.clone();
+    let footage = ForeignFootage::new(index, map, signals.clone(), settled, (start_s, ticks));
+    Ok((Judged { signals, recorded, footage }, findings))
+}
+
+/// First and last time of the flight, s: of its pose, where the first and the last stretch hold one.
+fn flight_span(signals: &Signals, first_end_s: f64, end_s: f64) -> Result<(f64, f64), MirrorError> {
+    let spans = [
+        signals.position.as_ref().and_then(super::series::Series::span),
+        signals.attitude.as_ref().and_then(super::series::Attitudes::span),
+    ];
+    let spans = || spans.iter().flatten();
+    let start_s = spans().map(|span| span.0).reduce(f64::min).ok_or(MirrorError::NoPose)?;
+    let last_s = spans().map(|span| span.1).fold(start_s, f64::max);
+    let start_s = if start_s < first_end_s { start_s } else { 0.0 };
+    Ok((start_s, if last_s > end_s - STRETCH_S { last_s } else { end_s }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stretches_reach_from_the_first_to_the_last_message_and_leave_holes() {
+        let (from, to) = (5_000_000_000, 3_605_000_000_000);
+        let found = stretches(from, to);
+        assert_eq!(found.len() as u64, STRETCHES);
+        assert_eq!((found[0].0, found[STRETCHES as usize - 1].1), (from, to));
+        for pair in found.windows(2) {
+            assert!(pair[0].1 < pair[1].0, "{pair:?}");
+        }
+        // Too short for as many: they overlap, and still end where it ends.
+        let short = stretches(0, 10_000_000_000);
+        assert!(short.iter().all(|(from, to)| from < to && *to <= 10_000_000_000), "{short:?}");
+    }
+}

@@ -1,0 +1,166 @@
+//! Sums over blocks of 2 s of a flight from which the gain of a normalised torque is fitted.
+//!
+//! In: torque, attitude set-point, angular acceleration. Out: per axis a [`Block`] for every 2 s of which all are known in the air.
+
+use std::ops::Range;
+
+use nalgebra::{SMatrix, SVector};
+
+use super::grid::{Ticks, filtered_times};
+use super::series::Series;
+use super::thrust_fit::{BLOCK_TICKS, LONGEST_LAG_TICKS};
+use twin_core::notation::TICK_S;
+
+/// Taps of the set-point, and ticks from one to the next.
+pub(super) const TAPS: usize = 12;
+const TAP_TICKS: usize = 5;
+
+/// What is slower than a mean over so many ticks to either side is trim or disturbance: 0.5 s.
+const SLOW_TICKS: usize = 50;
+
+pub(super) type Square = SMatrix<f64, TAPS, TAPS>;
+pub(super) type Column = SVector<f64, TAPS>;
+
+/// What a gain is fitted to, of all three axes.
+pub(super) struct Known<'a> {
+    /// Time of every tick, s.
+    pub times_s: &'a [f64],
+    /// Normalised torque about the body axes.
+    pub torque: &'a Series<3>,
+    /// Wanted roll, pitch and yaw, rad.
+    pub setpoint: &'a Series<3>,
+    /// Angular acceleration of the body, rad/s², which passed `H` so many times.
+    pub acceleration: &'a Ticks<3>,
+    /// So many times.
+    pub passes: usize,
+    /// Where it flies.
+    pub airborne: &'a [bool],
+}
+
+/// The blocks of every axis.
+pub(super) fn blocks(known: &Known<'_>) -> [Vec<Block>; 3] {
+    let (newest, oldest) = (known.delayed(0), known.delayed(LONGEST_LAG_TICKS));
+    let taps =
+        |tick: usize| (0..TAPS).all(|tap| known.setpoint.linear(known.tap_s(tick, tap)).is_some());
+    // What is known at the shortest and at the longest lag is so between: a filter settles for as long.
+    let usable = |tick: &usize| {
+        let tick = *tick;
+        let torque = newest[tick].is_some() && oldest[tick].is_some();
+        torque && known.airborne[tick] && known.acceleration[tick].is_some() && taps(tick)
+    };
+    let ticks: Vec<usize> = (0..known.times_s.len()).filter(usable).collect();
+    let runs: Vec<Range<usize>> = ticks
+        .chunk_by(|a, b| a + 1 == *b)
+        .map(|run| run[0]..run[0] + run.len())
+        .filter(|run| run.len() >= BLOCK_TICKS)
+        .collect();
+    let mut axes: [Vec<Block>; 3] = std::array::from_fn(|axis| of_axis(known, axis, &runs));
+    for lag in 0..=LONGEST_LAG_TICKS {
+        let torque = known.delayed(lag);
+        for (axis, blocks) in axes.iter_mut().enumerate() {
+            let values = |tick: usize| torque[tick].map_or(0.0, |u| u[axis]);
+            add_lag(blocks, &Fast::of(&runs, known.times_s.len(), values), values);
+        }
+    }
+    axes
+}
+
+impl Known<'_> {
+    fn delayed(&self, lag: usize) -> Ticks<3> {
+        let lag_s = lag as f64 * TICK_S;
+        let raw = self.times_s.iter().map(|t_s| self.torque.linear(t_s - lag_s)).collect();
+        filtered_times(&raw, self.passes)
+    }
+
+    fn tap_s(&self, tick: usize, tap: usize) -> f64 {
+        self.times_s[tick] - (tap * TAP_TICKS) as f64 * TICK_S
+    }
+}
+
+/// Values per tick without what changes slowly.
+struct Fast(Vec<f64>);
+
+impl Fast {
+    fn of(runs: &[Range<usize>], ticks: usize, value: impl Fn(usize) -> f64) -> Self {
+        let mut fast = vec![0.0; ticks];
+        for run in runs {
+            let mut sums = vec![0.0];
+            let mut sum = 0.0;
+            for tick in run.clone() {
+                sum += value(tick);
+                sums.push(sum);
+            }
+            for tick in run.clone() {
+                let from = tick.saturating_sub(SLOW_TICKS).max(run.start) - run.start;
+                let to = (tick + SLOW_TICKS + 1).min(run.end) - run.start;
+                fast[tick] = value(tick) - (sums[to] - sums[from]) / (to - from) as f64;
+            }
+        }
+        Self(fast)
+    }
+}
+
+/// Sums of products over a block: `z` taps of the set-point, `y` acceleration, `u` torque.
+pub(super) struct Block {
+    ticks: Range<usize>,
+    z: Vec<Column>,
+    y: Vec<f64>,
+    /// With what changes slowly, rad/s².
+    pub mean_y: f64,
+    pub zz: Square,
+    pub zy: Column,
+    pub yy: f64,
+    /// Per lag, ticks.
+    pub lags: Vec<Lagged>,
+}
+
+/// The same with a delayed torque.
+#[derive(Clone, Copy)]
+pub(super) struct Lagged {
+    /// With what changes slowly.
+    pub mean_u: f64,
+    pub zu: Column,
+    pub uy: f64,
+    pub uu: f64,
+}
+
+/// The blocks of an axis, without lags.
+fn of_axis(known: &Known<'_>, axis: usize, runs: &[Range<usize>]) -> Vec<Block> {
+    let ticks = known.times_s.len();
+    let turning = |tick: usize| known.acceleration[tick].map_or(0.0, |y| y[axis]);
+    let acceleration = Fast::of(runs, ticks, turning);
+    let taps: [Fast; TAPS] = std::array::from_fn(|tap| {
+        let wanted = |tick| known.setpoint.linear(known.tap_s(tick, tap)).map_or(0.0, |z| z[axis]);
+        Fast::of(runs, ticks, wanted)
+    });
+    let block = |ticks: Range<usize>| {
+        let z: Vec<Column> =
+            ticks.clone().map(|t| Column::from_fn(|tap, _| taps[tap].0[t])).collect();
+        let y = acceleration.0[ticks.clone()].to_vec();
+        Block {
+            mean_y: ticks.clone().map(turning).sum::<f64>() / ticks.len() as f64,
+            zz: z.iter().map(|z| z * z.transpose()).sum(),
+            zy: z.iter().zip(&y).map(|(z, y)| z * *y).sum(),
+            yy: y.iter().map(|y| y * y).sum(),
+            lags: Vec::new(),
+            ticks,
+            z,
+            y,
+        }
+    };
+    let starts = |run: &Range<usize>| (run.start..=run.end - BLOCK_TICKS).step_by(BLOCK_TICKS);
+    runs.iter().flat_map(starts).map(|start| block(start..start + BLOCK_TICKS)).collect()
+}
+
+/// Adds the torque at the next lag.
+fn add_lag(blocks: &mut [Block], torque: &Fast, value: impl Fn(usize) -> f64) {
+    for block in blocks {
+        let u = &torque.0[block.ticks.clone()];
+        block.lags.push(Lagged {
+            mean_u: block.ticks.clone().map(&value).sum::<f64>() / u.len() as f64,
+            zu: block.z.iter().zip(u).map(|(z, u)| z * *u).sum(),
+            uy: block.y.iter().zip(u).map(|(y, u)| y * u).sum(),
+            uu: u.iter().map(|u| u * u).sum(),
+        });
+    }
+}

@@ -1,0 +1,127 @@
+//! The ablation table: how well the network predicts without one of its parts, on flights the paper names: scenario B, 500 g, 1 m/s.
+//!
+//! One flight per seed is flown with the full model; all variants are replayed on its ticks from lift-off to touchdown, a priori.
+
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use super::entrants::{Candidate, trained};
+use super::pictures::{Picture, horizon_curve};
+use super::replay::replay;
+use super::series::{EvaluateError, Sample, Series, Statistics};
+use super::sheet::{Sheet, figure};
+use twin_core::notation::Coords;
+use twin_core::residual::HORIZON;
+use twin_core::residual::weights::Weights;
+use twin_scenario::{Report, Scenario, fly};
+
+/// A variant: name, RMSE of the paper.
+pub const VARIANTS: [(&str, f64); 5] = [
+    ("full", 0.283),
+    ("without_lra", 0.37),
+    ("without_global_token", 0.692),
+    ("without_short_horizon", 0.778),
+    ("without_long_memory", 0.782),
+];
+
+/// A line.
+#[derive(Clone, Debug, Serialize)]
+pub struct Variant {
+    /// Which part is missing.
+    pub name: String,
+    /// Weights.
+    pub weights: PathBuf,
+    /// z-scored a-priori RMSE at `j = 0`, root of the mean over the seeds' squares.
+    pub rmse_z: f64,
+    /// The same at every horizon.
+    pub rmse_z_by_horizon: Vec<f64>,
+    /// R², mean over the seeds.
+    pub r2: f64,
+    /// Change against the full model, %.
+    pub delta_percent: f64,
+    /// RMSE of the paper, and its change in %.
+    pub paper: [f64; 2],
+}
+
+/// Flies `scenario` and keeps what a predictor sees; ticks without the payload in hand are not scored.
+///
+/// # Errors
+/// [`EvaluateError`] if it cannot be built.
+pub fn flown(scenario: &Scenario) -> Result<(Series, Report), EvaluateError> {
+    let mut samples = Vec::new();
+    let report = fly(scenario, &mut |tick| {
+        let sample = Sample::from(tick);
+        samples.push(Sample { usable: sample.usable && tick.reference.transporting, ..sample });
+    })?;
+    let tuning = scenario.tuning().map_err(twin_scenario::BuildError::from)?;
+    let series = Series {
+        file: scenario.file.clone(),
+        sha256: report.state_hash.clone(),
+        seed: scenario.settings.seed.to_string(),
+        m_bar: tuning.gains.nominal_inertia,
+        samples,
+    };
+    Ok((series, report))
+}
+
+/// The statistics that weights bring.
+pub fn statistics(weights: &Weights) -> Statistics {
+    let n = &weights.head.normalisation;
+    Statistics {
+        input_mean: n.input_mean.clone(),
+        input_std: n.input_std.clone(),
+        output_mean: Coords::from_column_slice(&n.output_mean),
+        output_std: Coords::from_column_slice(&n.output_std),
+    }
+}
+
+/// Replays the variant `name` of `weights` over all `flights`: RMSE at every horizon, and R² at `j = 0`.
+///
+/// # Errors
+/// [`EvaluateError`] if the weights are not usable.
+pub fn measure(
+    name: &str,
+    (weights, file): (&Weights, &Path),
+    scenario: &Scenario,
+    flights: &[Series],
+    statistics: &Statistics,
+) -> Result<(Vec<f64>, f64), EvaluateError> {
+    let tuning = scenario.tuning().map_err(twin_scenario::BuildError::from)?;
+    let wanted = if name == "without_lra" { "fdt" } else { "fdt_lra" };
+    let (mut squares, mut r2) = (vec![0.0; HORIZON + 1], 0.0);
+    for flight in flights {
+        let candidates = trained(weights, file, &tuning)?;
+        let Some(Candidate { mut entrant, .. }) = candidates.into_iter().find(|c| c.name == wanted)
+        else {
+            continue;
+        };
+        let horizons = replay(&mut entrant, flight, statistics).horizons;
+        for (sum, horizon) in squares.iter_mut().zip(&horizons) {
+            *sum += horizon.rmse_z * horizon.rmse_z;
+        }
+        r2 += horizons[0].r2;
+    }
+    let n = flights.len().max(1) as f64;
+    Ok((squares.into_iter().map(|sum| (sum / n).sqrt()).collect(), r2 / n))
+}
+
+/// The table as cells.
+pub fn sheet(rows: &[Variant]) -> Sheet {
+    let horizons = (0..=HORIZON).map(|j| format!("RMSE z, j = {j}"));
+    let head = ["variant", "R²", "Δ %", "paper RMSE", "paper Δ %"].map(str::to_owned);
+    let mut sheet = Sheet::new(head.into_iter().chain(horizons));
+    sheet.rows.extend(rows.iter().map(|row| {
+        let [paper, change] = row.paper;
+        let figures = [row.r2, row.delta_percent, paper, change].map(|v| figure(Some(v), 3));
+        let by_horizon = row.rmse_z_by_horizon.iter().map(|v| figure(Some(*v), 4));
+        std::iter::once(row.name.clone()).chain(figures).chain(by_horizon).collect()
+    }));
+    sheet
+}
+
+/// Error over the horizon.
+pub fn over_horizon(rows: &[Variant]) -> Picture {
+    let curve = |row: &Variant| horizon_curve(&row.name, row.rmse_z_by_horizon.iter().copied());
+    Picture::over_horizon("RMSE, z-scored, a priori", rows.iter().map(curve))
+}

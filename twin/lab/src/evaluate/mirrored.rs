@@ -1,0 +1,131 @@
+//! A mirrored flight as a picture: how much of the commanded thrust moved the mass, the vertical residual, the adapter.
+
+use super::pictures::{Curve, Picture, stacked};
+use twin_core::notation::GRAVITY_M_S2;
+use twin_core::tick::Tick;
+
+/// The row of the vertical force.
+const Z: usize = 2;
+
+/// Points of a curve: more are not seen.
+const MOST_POINTS: usize = 4000;
+
+/// Where less than this share of the weight moved the mass, something else carries it: an impact, the ground.
+const LEAST_SHARE: f64 = 0.5;
+
+/// What is drawn, tick by tick.
+#[derive(Clone, Debug)]
+pub struct FlightPicture {
+    weight_n: f64,
+    /// Time, s, and what is known there.
+    ticks: Vec<(f64, Option<Drawn>)>,
+    resets_s: Vec<f64>,
+}
+
+/// One tick, N.
+#[derive(Clone, Copy, Debug)]
+struct Drawn {
+    force: f64,
+    residual: f64,
+    estimate: f64,
+    innovation: f64,
+}
+
+impl FlightPicture {
+    /// Of a vehicle of this mass.
+    pub fn new(mass_kg: f64) -> Self {
+        let weight_n = mass_kg * GRAVITY_M_S2;
+        Self { weight_n, ticks: Vec::new(), resets_s: Vec::new() }
+    }
+
+    /// One tick; `known`: its vertical residual is.
+    pub fn add(&mut self, tick: &Tick, known: bool) {
+        let t_s = tick.measurement.t_s;
+        if tick.adapted.reset {
+            self.resets_s.push(t_s);
+        }
+        let drawn = Drawn {
+            force: tick.measurement.tau_applied[Z],
+            residual: tick.residual[Z],
+            estimate: tick.adapted.r_hat_prior[Z],
+            innovation: tick.adapted.innovation_mean_norm,
+        };
+        self.ticks.push((t_s, known.then_some(drawn)));
+    }
+
+    /// As SVG.
+    pub fn svg(&self, name: &str) -> String {
+        let weight = self.weight_n;
+        // What moved the mass besides its weight is the force less the residual's part beyond the weight.
+        let gain = |force: f64, residual: f64| {
+            let moved = force - residual + weight;
+            if moved > LEAST_SHARE * weight { force / moved } else { f64::NAN }
+        };
+        let gains = Picture {
+            title: format!("{name}: vertical force as commanded / force that moved the mass"),
+            y: "1 = as commanded".to_owned(),
+            curves: vec![
+                self.curve("by the measured residual", true, |d| gain(d.force, d.residual)),
+                self.curve("by the adapter, a priori", false, |d| gain(d.force, d.estimate)),
+            ],
+            ..self.picture()
+        };
+        let residuals = Picture {
+            title: "vertical residual".to_owned(),
+            y: "N".to_owned(),
+            curves: vec![
+                self.curve("measured", true, |d| d.residual),
+                self.curve("adapter, a priori", false, |d| d.estimate),
+                self.curve("weight", false, |_| weight),
+            ],
+            ..self.picture()
+        };
+        let innovation = Picture {
+            title: "mean innovation of the adapter".to_owned(),
+            y: "standard deviations".to_owned(),
+            curves: vec![self.curve("all known rows", false, |d| d.innovation)],
+            ..self.picture()
+        };
+        stacked(&[gains, residuals, innovation])
+    }
+
+    fn picture(&self) -> Picture {
+        let marks = self.resets_s.iter().map(|t_s| (*t_s, "reset".to_owned())).collect();
+        Picture { x: "t, s".to_owned(), marks, ..Picture::default() }
+    }
+
+    fn curve(&self, name: &str, measured: bool, of: impl Fn(&Drawn) -> f64) -> Curve {
+        let every = (self.ticks.len() / MOST_POINTS).max(1);
+        let known = self.ticks.iter().step_by(every);
+        let points = known.filter_map(|(t_s, drawn)| Some((*t_s, of(drawn.as_ref()?)))).collect();
+        Curve { name: name.to_owned(), points, measured }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use twin_record::fixture;
+
+    #[test]
+    fn the_picture_shows_gain_residual_and_resets_and_nothing_of_unknown_ticks() {
+        let mut picture = FlightPicture::new(2.0);
+        for i in 0..200_u32 {
+            let mut tick = fixture::tick(3);
+            tick.measurement.t_s = f64::from(i) * 0.01;
+            tick.measurement.tau_applied[Z] = 26.0;
+            tick.residual[Z] = 26.0;
+            tick.adapted.reset = i == 50;
+            picture.add(&tick, i < 100);
+        }
+        // 26 N where the weight of 19.62 N moved nothing else: 1.325 times too much.
+        let gain = picture.curve("", true, |d| d.force / (d.force - d.residual + 19.62));
+        assert_eq!(gain.points.len(), 100);
+        assert!(gain.points.iter().all(|(_, k)| (k - 26.0 / 19.62).abs() < 1e-12));
+        let svg = picture.svg("x8.mcap");
+        for word in ["x8.mcap", "reset", "adapter, a priori", "weight"] {
+            assert!(svg.contains(word), "{word}");
+        }
+        assert!(!svg.contains("NaN"));
+    }
+}

@@ -1,0 +1,236 @@
+//! Recordings as what a predictor is replayed on and scored against, and the statistics that z-score them.
+
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use sha2::{Digest, Sha256};
+
+use twin_core::elementary::squared;
+use twin_core::notation::{Coords, N};
+use twin_core::residual::weights::WeightsError;
+use twin_core::tick::{Adaptation, Tick};
+use twin_foreign::recorded_nominal_inertia;
+use twin_record::{RecordingError, read_recording};
+
+/// Why a table cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum EvaluateError {
+    /// A recording.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// A recording that does not say which `M_bar` its residual was formed with.
+    #[error("{}: it does not say which nominal inertia it was flown with; record it with this version", .0.display())]
+    NoInertia(PathBuf),
+    /// Recordings whose residuals cannot be compared.
+    #[error("{}: M_bar is {found:?}, that of the other recordings {expected:?}", .path.display())]
+    Inertia {
+        /// The recording.
+        path: PathBuf,
+        /// Its `M_bar`.
+        found: Vec<f64>,
+        /// That of the others.
+        expected: Vec<f64>,
+    },
+    /// A folder without recordings to learn from.
+    #[error("{}: no recording collect_*.mcap in it; make some: twin collect --out {}", .0.display(), .0.display())]
+    NoTraining(PathBuf),
+    /// A file of weights.
+    #[error("{}: {why}", .path.display())]
+    Weights {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        why: WeightsError,
+    },
+    /// A file.
+    #[error("{}: {why}", .path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// The system's words.
+        why: std::io::Error,
+    },
+    /// A row that does not exist.
+    #[error("{name:?} is no row of the table; there are {known}")]
+    UnknownRow {
+        /// As given.
+        name: String,
+        /// Those there are.
+        known: String,
+    },
+    /// The vehicle of the recording cannot be built.
+    #[error(transparent)]
+    Scenario(#[from] twin_scenario::ScenarioError),
+    /// The same.
+    #[error(transparent)]
+    Build(#[from] twin_scenario::BuildError),
+}
+
+/// One tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// Simulated time, s.
+    pub t_s: f64,
+    /// Coordinates, m and rad.
+    pub chi: Coords,
+    /// Rates.
+    pub chi_dot: Coords,
+    /// Applied force of this tick, N and N m.
+    pub tau: Coords,
+    /// Residual of this tick, N and N m.
+    pub residual: Coords,
+    /// Its residual may be learned and scored: no contact, no fault.
+    pub usable: bool,
+}
+
+impl From<&Tick> for Sample {
+    fn from(tick: &Tick) -> Self {
+        Self {
+            t_s: tick.measurement.t_s,
+            chi: tick.measurement.chi,
+            chi_dot: tick.measurement.chi_dot,
+            tau: tick.measurement.tau_applied,
+            residual: tick.residual,
+            usable: tick.reference.adaptation == Adaptation::Free
+                && !tick.reference.follows_measurement
+                && tick.fault.is_none(),
+        }
+    }
+}
+
+/// Sha-256 of what is in `samples`, in hex.
+fn hash(samples: &[Sample]) -> String {
+    let mut hash = Sha256::new();
+    for Sample { t_s, chi, chi_dot, tau, residual, usable } in samples {
+        let numbers = [chi, chi_dot, tau, residual].into_iter().flat_map(|part| part.iter());
+        for number in std::iter::once(t_s).chain(numbers) {
+            hash.update(number.to_le_bytes());
+        }
+        hash.update([u8::from(*usable)]);
+    }
+    hash.finalize().iter().fold(String::new(), |text, byte| format!("{text}{byte:02x}"))
+}
+
+/// A flight.
+#[derive(Clone, Debug)]
+pub struct Series {
+    /// The recording.
+    pub file: PathBuf,
+    /// Sha-256 of its ticks, in hex: the same for every recording of one flight, whatever its chunks.
+    pub sha256: String,
+    /// Seed of the flight.
+    pub seed: String,
+    /// `M_bar` of its residual.
+    pub m_bar: Coords,
+    /// Its ticks.
+    pub samples: Vec<Sample>,
+}
+
+impl Series {
+    /// Reads a recording of this program.
+    ///
+    /// # Errors
+    /// [`EvaluateError`] if it cannot be read or does not say its `M_bar`.
+    pub fn read(path: &Path) -> Result<Self, EvaluateError> {
+        let recording = read_recording(path)?;
+        let samples: Vec<Sample> = recording.ticks.iter().map(Sample::from).collect();
+        Ok(Self {
+            file: path.to_owned(),
+            sha256: hash(&samples),
+            seed: recording.metadata.get("seed").cloned().unwrap_or_default(),
+            m_bar: recorded_nominal_inertia(&recording)
+                .ok_or_else(|| EvaluateError::NoInertia(path.to_owned()))?,
+            samples,
+        })
+    }
+
+    /// The training recordings in `folder`, `collect_*.mcap` by name.
+    ///
+    /// # Errors
+    /// [`EvaluateError`] if there is none, one cannot be read, or they do not share one `M_bar`.
+    pub fn read_training(folder: &Path) -> Result<Vec<Self>, EvaluateError> {
+        let entries = std::fs::read_dir(folder).map_err(|why| match why.kind() {
+            std::io::ErrorKind::NotFound => EvaluateError::NoTraining(folder.to_owned()),
+            _ => EvaluateError::File { path: folder.to_owned(), why },
+        })?;
+        let mut paths: Vec<PathBuf> =
+            entries.filter_map(|entry| entry.ok().map(|entry| entry.path())).collect();
+        paths.retain(|path| {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            name.starts_with("collect_") && name.ends_with(".mcap")
+        });
+        paths.sort();
+        if paths.is_empty() {
+            return Err(EvaluateError::NoTraining(folder.to_owned()));
+        }
+        let all =
+            paths.iter().map(|path| Self::read(path)).collect::<Result<Vec<_>, EvaluateError>>()?;
+        all.iter().try_for_each(|series| series.compare(&all[0]))?;
+        Ok(all)
+    }
+
+    /// The residual was formed with the same `M_bar`.
+    ///
+    /// # Errors
+    /// [`EvaluateError::Inertia`] if not.
+    pub fn compare(&self, other: &Self) -> Result<(), EvaluateError> {
+        if self.m_bar == other.m_bar {
+            return Ok(());
+        }
+        let list = |m: &Coords| m.iter().copied().collect();
+        let (found, expected) = (list(&self.m_bar), list(&other.m_bar));
+        Err(EvaluateError::Inertia { path: self.file.clone(), found, expected })
+    }
+}
+
+/// Means and standard deviations over the training flights.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Statistics {
+    /// Per input channel `chi`, `chi_dot`, `tau_{t-1}`.
+    pub input_mean: Vec<f64>,
+    /// Per input channel.
+    pub input_std: Vec<f64>,
+    /// Per row of the residual, N and N m.
+    pub output_mean: Coords,
+    /// Per row of the residual, N and N m.
+    pub output_std: Coords,
+}
+
+/// A channel that moves less than this counts as constant.
+const LEAST_STD: f64 = 1e-9;
+
+impl Statistics {
+    /// Of the usable ticks of `flights`.
+    pub fn of(flights: &[Series]) -> Self {
+        let mut rows: Vec<[f64; 4 * N]> = Vec::new();
+        for flight in flights {
+            for (before, now) in flight.samples.iter().zip(flight.samples.iter().skip(1)) {
+                if now.usable {
+                    rows.push(row(before, now));
+                }
+            }
+        }
+        let n = rows.len().max(1) as f64;
+        let mean: Vec<f64> =
+            (0..4 * N).map(|i| rows.iter().map(|row| row[i]).sum::<f64>() / n).collect();
+        let std: Vec<f64> = (0..4 * N)
+            .map(|i| {
+                let square: f64 = rows.iter().map(|row| squared(row[i] - mean[i])).sum();
+                let std = (square / n).sqrt();
+                if std > LEAST_STD { std } else { 1.0 }
+            })
+            .collect();
+        Self {
+            input_mean: mean[..3 * N].to_vec(),
+            input_std: std[..3 * N].to_vec(),
+            output_mean: Coords::from_column_slice(&mean[3 * N..]),
+            output_std: Coords::from_column_slice(&std[3 * N..]),
+        }
+    }
+}
+
+/// Inputs and residual of a tick.
+pub(super) fn row(before: &Sample, now: &Sample) -> [f64; 4 * N] {
+    let parts = [&now.chi, &now.chi_dot, &before.tau, &now.residual];
+    std::array::from_fn(|i| parts[i / N][i % N])
+}

@@ -1,0 +1,362 @@
+//! The training itself: epochs of steps, validation, checkpoint, early stop; in the end one file of weights.
+//!
+//! In: [`Dataset`], [`Request`]. Out: the file `out` and its [`Outcome`]. Deterministic: batches and noise are functions of seed
+//! and epoch, so the same request gives the same bits on one machine with one number of threads, stopped in between or not.
+
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::time::Instant;
+
+use burn_tensor::{Tensor, TensorData};
+use nalgebra::DMatrix;
+
+use super::LearnError;
+use super::adam::{Adam, learning_rate};
+use super::baselines;
+use super::checkpoint::{self, Checkpoint, EpochRecord, State};
+use super::config::TrainConfig;
+use super::dataset::Dataset;
+use super::device::device;
+use super::fdt::Fdt;
+use super::file::write_whole;
+use super::graph::{Inputs, Leaves, Network, exclusive, mean_square, values};
+use super::parameters::Parameters;
+use super::regime::{Basis, second_moment};
+use super::windows::{Batch, Place, Windows, generator};
+use twin_core::notation::TICK_S;
+use twin_core::residual::weights::{self, Acceptance, FORMAT, Head, ModelKind, Training, Weights};
+
+/// Windows whose regime is looked at for its basis: every so many-th of the training.
+const REGIME_STRIDE: usize = 32;
+
+/// What to train, and where to.
+pub struct Request<'a> {
+    /// Model and settings.
+    pub config: &'a TrainConfig,
+    /// Seed of initialisation, order, offsets and noise.
+    pub seed: u64,
+    /// Go on from the checkpoint beside `out`.
+    pub resume: bool,
+    /// The file of weights.
+    pub out: &'a Path,
+    /// Version of the program, for the head of the file.
+    pub git: &'a str,
+}
+
+/// Told after every step and every epoch.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress {
+    /// The epoch, from 1.
+    pub epoch: usize,
+    /// Steps done in it, and of how many.
+    pub steps: (usize, usize),
+    /// Mean loss of the epoch so far.
+    pub loss: f64,
+    /// Set at the end of an epoch, after its checkpoint was written.
+    pub finished: Option<EpochRecord>,
+}
+
+/// What came out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// What the file says about itself.
+    pub head: Head,
+    /// The curve.
+    pub curve: Vec<EpochRecord>,
+    /// Scalars of the model.
+    pub parameters: usize,
+    /// Windows for training, before the stride, and for validation.
+    pub windows: (usize, usize),
+    /// Validation loss of saying the mean: the variance there.
+    pub validation_variance: f64,
+    /// Whether it was finished; `false` if the observer stopped it, then only the checkpoint is written.
+    pub finished: bool,
+}
+
+/// The network that `config` names.
+pub fn network(config: &TrainConfig, windows: &Windows) -> Box<dyn Network> {
+    let (channels, outputs) = (windows.channels, windows.outputs);
+    match config.model {
+        ModelKind::Fdt => Box::new(Fdt::new(config, channels, outputs)),
+        _ => baselines::network(config, channels, outputs, windows.flights()),
+    }
+}
+
+/// Trains; `observe` is told and may stop it between steps.
+///
+/// # Errors
+/// [`LearnError`] if data, checkpoint or disk do not allow it, or the loss diverges.
+pub fn train(
+    data: &Dataset,
+    request: &Request<'_>,
+    observe: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+) -> Result<Outcome, LearnError> {
+    let windows = Windows::new(data, request.config)?;
+    let _one_thread = exclusive();
+    let network = network(request.config, &windows);
+    let mut training = Trainer::new(data, request, &windows, network.as_ref())?;
+    let finished = training.run(observe)?;
+    training.finish(data, finished)
+}
+
+struct Trainer<'a> {
+    request: &'a Request<'a>,
+    windows: &'a Windows,
+    network: &'a dyn Network,
+    now: Checkpoint,
+}
+
+impl<'a> Trainer<'a> {
+    fn new(
+        data: &Dataset,
+        request: &'a Request<'a>,
+        windows: &'a Windows,
+        network: &'a dyn Network,
+    ) -> Result<Self, LearnError> {
+        let tensors: Vec<_> = network.tensors().into_iter().chain(network.helpers()).collect();
+        let mut weights = Parameters::initial(&tensors, &mut generator(request.seed, 0, 0));
+        network.constrain(&mut weights);
+        let data_hash = data.hash();
+        let path = checkpoint::path_for(request.out);
+        let now = if request.resume {
+            let found = Checkpoint::read(&path, &weights)?;
+            found.check_same(&path, request.config, request.seed, &data_hash)?;
+            found
+        } else {
+            let state = State {
+                config: request.config.clone(),
+                seed: request.seed,
+                data_hash,
+                steps: 0,
+                curve: Vec::new(),
+                best_epoch: 0,
+            };
+            Checkpoint { state, best: weights.clone(), adam: Adam::new(&weights), weights }
+        };
+        Ok(Self { request, windows, network, now })
+    }
+
+    /// Whether it came to its end.
+    fn run(
+        &mut self,
+        observe: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    ) -> Result<bool, LearnError> {
+        let config = self.request.config;
+        while self.now.state.curve.len() < config.epochs && !self.out_of_patience() {
+            let Some(record) = self.epoch(observe)? else { return Ok(false) };
+            self.now.write(&checkpoint::path_for(self.request.out))?;
+            let progress = Progress {
+                epoch: record.epoch,
+                steps: (1, 1),
+                loss: record.train_loss,
+                finished: Some(record),
+            };
+            if observe(progress).is_break() {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    fn out_of_patience(&self) -> bool {
+        let state = &self.now.state;
+        state.curve.len() >= state.best_epoch + self.request.config.patience
+    }
+
+    /// One epoch; `None` if the observer stopped it in the middle.
+    #[expect(
+        clippy::disallowed_methods,
+        reason = "how long it took, for people; nothing depends on it"
+    )]
+    fn epoch(
+        &mut self,
+        observe: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    ) -> Result<Option<EpochRecord>, LearnError> {
+        let (config, seed, began) = (self.request.config, self.request.seed, Instant::now());
+        let epoch = self.now.state.curve.len();
+        let places = self.windows.epoch(seed, epoch, config.stride);
+        let mut noise = generator(seed, epoch, 2);
+        let steps = places.len().div_ceil(config.batch).max(1);
+        let (mut sum, mut rate) = (0.0, 0.0);
+        for (step, part) in places.chunks(config.batch).enumerate() {
+            let progress = epoch as f64 + step as f64 / steps as f64;
+            rate = learning_rate(
+                config.learning_rate,
+                config.warm_up_epochs,
+                config.epochs as f64,
+                progress,
+            );
+            let batch = self.windows.batch(part, Some(&mut noise));
+            let loss = self.step(&batch, rate, progress / config.epochs as f64);
+            if !loss.is_finite() {
+                let epoch = epoch + 1;
+                return Err(LearnError::Diverged { loss, epoch, learning_rate: rate });
+            }
+            sum += loss;
+            let loss = sum / (step + 1) as f64;
+            let steps = (step + 1, steps);
+            let told = Progress { epoch: epoch + 1, steps, loss, finished: None };
+            if observe(told).is_break() {
+                return Ok(None);
+            }
+        }
+        let validation_loss = self.validate();
+        let record = EpochRecord {
+            epoch: epoch + 1,
+            train_loss: sum / steps as f64,
+            validation_loss,
+            learning_rate: rate,
+            wall_s: began.elapsed().as_secs_f64(),
+        };
+        if !validation_loss.is_finite() {
+            let loss = validation_loss;
+            return Err(LearnError::Diverged { loss, epoch: epoch + 1, learning_rate: rate });
+        }
+        let best = self.now.state.curve.iter().map(|r| r.validation_loss).fold(f64::MAX, f64::min);
+        self.now.state.curve.push(record);
+        if validation_loss < best {
+            self.now.state.best_epoch = record.epoch;
+            self.now.best = self.now.weights.clone();
+        }
+        self.now.state.steps = self.now.adam.steps;
+        Ok(Some(record))
+    }
+
+    /// One step of the optimiser; the loss before it.
+    fn step(&mut self, batch: &Batch, rate: f64, progress: f64) -> f64 {
+        let leaves = Leaves::new(&self.now.weights, true);
+        let loss = self.network.loss(&leaves, self.inputs(batch, true, progress));
+        let gradients = leaves.gradients(loss.backward());
+        let clip = self.request.config.gradient_clip;
+        self.now.adam.step(&mut self.now.weights, &gradients, rate, clip);
+        self.network.constrain(&mut self.now.weights);
+        values(loss.inner()).first().copied().map_or(f64::NAN, f64::from)
+    }
+
+    fn inputs(&self, batch: &Batch, tracked: bool, progress: f64) -> Inputs {
+        let (device, config) = (device(tracked), self.request.config);
+        let tensor = |values: &[f32], shape: [usize; 3]| -> Tensor<3> {
+            Tensor::from_data(TensorData::new(values.to_vec(), shape), &device)
+        };
+        let size = batch.size();
+        Inputs {
+            x: tensor(&batch.x, [size, self.windows.channels, config.t_long]),
+            y: tensor(&batch.y, [size, config.horizon + 1, self.windows.outputs]),
+            flights: batch.flights.clone(),
+            progress,
+        }
+    }
+
+    /// Mean squared error over the validation windows, without noise.
+    fn validate(&self) -> f64 {
+        let leaves = Leaves::new(&self.now.weights, false);
+        self.over(self.windows.validation(), |inputs| {
+            let error = self.network.forward(&leaves, inputs.x).forecast - inputs.y;
+            f64::from(values(mean_square(error))[0])
+        })
+    }
+
+    /// The mean of `of` over the windows in `places`, each window counting once.
+    fn over(&self, places: &[Place], of: impl Fn(Inputs) -> f64) -> f64 {
+        let part = |part: &[Place]| {
+            let batch = self.windows.batch(part, None);
+            of(self.inputs(&batch, false, 1.0)) * part.len() as f64
+        };
+        places.chunks(self.request.config.batch).map(part).sum::<f64>() / places.len() as f64
+    }
+
+    fn finish(mut self, data: &Dataset, finished: bool) -> Result<Outcome, LearnError> {
+        let mut scale = 1.0;
+        if finished {
+            let basis = self.basis();
+            basis.turn(&mut self.now.best);
+            scale = basis.scale;
+        }
+        let outcome = Outcome {
+            head: self.head(data, scale),
+            curve: self.now.state.curve.clone(),
+            parameters: self
+                .network
+                .tensors()
+                .iter()
+                .map(|(_, s)| s.iter().product::<usize>())
+                .sum(),
+            windows: (self.windows.training_windows(), self.windows.validation().len()),
+            validation_variance: self.over(self.windows.validation(), |inputs| {
+                f64::from(values(mean_square(inputs.y))[0])
+            }),
+            finished,
+        };
+        if finished {
+            let names = self.network.tensors();
+            let tensors: BTreeMap<String, weights::Tensor> = names
+                .into_iter()
+                .filter_map(|(name, shape)| {
+                    let values = self.now.best.get(&name)?.values.clone();
+                    Some((name, weights::Tensor { shape, values }))
+                })
+                .collect();
+            let file = Weights { head: outcome.head.clone(), tensors };
+            let out = self.request.out;
+            let bytes = file.to_bytes().map_err(|why| LearnError::write(out, why))?;
+            write_whole(out, &bytes)?;
+        }
+        Ok(outcome)
+    }
+
+    fn head(&self, data: &Dataset, regime_scale: f64) -> Head {
+        let state = &self.now.state;
+        let best = state.curve.iter().find(|record| record.epoch == state.best_epoch);
+        let wide = |values: &[f32]| values.iter().map(|v| f64::from(*v)).collect::<Vec<f64>>();
+        let z = &self.windows.normalisation;
+        let masked = &self.request.config.masked;
+        Head {
+            format: FORMAT,
+            model: self.request.config.model.name().to_owned(),
+            config: self.network.config(),
+            channel_names: data.channel_names.clone(),
+            output_names: data.output_names.clone(),
+            normalisation: weights::Normalisation {
+                masked: data.channel_names.iter().filter(|n| masked.contains(n)).cloned().collect(),
+                input_mean: wide(&z.input_mean),
+                input_std: wide(&z.input_std),
+                output_mean: wide(&z.output_mean),
+                output_std: wide(&z.output_std),
+                regime_scale,
+            },
+            rate_hz: 1.0 / TICK_S,
+            m_bar: data.nominal_inertia.clone(),
+            data_hash: state.data_hash.clone(),
+            git: self.request.git.to_owned(),
+            seed: state.seed,
+            training: Training {
+                epochs: state.curve.len() as u64,
+                steps: state.steps,
+                batch: self.request.config.batch as u64,
+                best_epoch: state.best_epoch as u64,
+                train_loss: best.map(|record| record.train_loss),
+                validation_loss: best.map(|record| record.validation_loss),
+                wall_s: state.curve.iter().map(|record| record.wall_s).sum(),
+            },
+            acceptance: Acceptance::default(),
+        }
+    }
+
+    /// The basis of the regime, from its second moment over the training windows.
+    fn basis(&self) -> Basis {
+        let leaves = Leaves::new(&self.now.best, false);
+        let places = self.windows.epoch(self.request.seed, 0, REGIME_STRIDE);
+        let d_k = self.request.config.d_k;
+        let parts = places.chunks(self.request.config.batch).map(|part| {
+            let inputs = self.inputs(&self.windows.batch(part, None), false, 1.0);
+            let regimes = values(self.network.forward(&leaves, inputs.x).regime);
+            second_moment(&regimes, d_k, places.len())
+        });
+        let moment = parts.fold(DMatrix::zeros(d_k, d_k), |sum, part| sum + part);
+        match self.request.config.model {
+            ModelKind::Fdt => Basis::of(&moment),
+            _ => Basis::unturned(&moment),
+        }
+    }
+}

@@ -1,0 +1,198 @@
+//! Training: it learns, it goes on where it stopped, and what it writes flies as it was trained.
+
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+
+use burn_tensor::{Tensor, TensorData};
+
+use super::checkpoint::{Checkpoint, path_for};
+use super::config::TrainConfig;
+use super::device::device;
+use super::graph::{Leaves, exclusive, values};
+use super::made::{dataset, tiny};
+use super::parameters::Parameters;
+use super::train::{Outcome, Progress, Request, network, train};
+use super::windows::{Windows, generator};
+use super::{Dataset, LearnError};
+use twin_core::elementary::squared;
+use twin_core::residual::weights::{ModelKind, Weights};
+use twin_core::residual::{fdt, learned};
+
+/// Two orders of summation in f32, numbers of order one.
+const PARITY: f32 = 1e-5;
+
+fn folder(name: &str) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("twin-train-{name}-{}", std::process::id()));
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+fn run(
+    data: &Dataset,
+    config: &TrainConfig,
+    out: &std::path::Path,
+    resume: bool,
+    stop_after: usize,
+) -> Result<Outcome, LearnError> {
+    let request = Request { config, seed: 3, resume, out, git: "test" };
+    train(data, &request, &mut |progress: Progress| {
+        if progress.finished.is_some() && progress.epoch >= stop_after {
+            return ControlFlow::Break(());
+        }
+        ControlFlow::Continue(())
+    })
+}
+
+#[test]
+fn a_small_training_learns_a_linear_system() {
+    let (data, config) = (dataset(2, 1200), TrainConfig { epochs: 12, ..tiny() });
+    let out = folder("learns").join("w.safetensors");
+    let outcome = run(&data, &config, &out, false, usize::MAX).unwrap();
+    let loss = outcome.head.training.validation_loss.unwrap();
+    // Saying the mean costs the variance; inputs that are known leave nothing but what a dozen epochs did not learn.
+    assert!(loss < 0.1 * outcome.validation_variance, "{loss} of {}", outcome.validation_variance);
+    let read = Weights::from_bytes(&std::fs::read(&out).unwrap()).unwrap();
+    assert_eq!(read.head, outcome.head);
+    assert_eq!(read.head.normalisation.masked, ["chi.x"]);
+    assert_eq!(read.head.data_hash, data.hash());
+    // The regime is scaled to a mean squared norm of 8 over the training windows; here over other ones of the same flights.
+    let model = fdt::Model::new(&read).unwrap();
+    let windows = Windows::new(&data, &config).unwrap();
+    let places = windows.epoch(9, 1, 7);
+    let power = places.iter().map(|place| {
+        let regime = model.forward(&windows.batch(&[*place], None).x).regime;
+        regime
+            .iter()
+            .map(|g| squared(f64::from(*g) * read.head.normalisation.regime_scale))
+            .sum::<f64>()
+    });
+    let mean = power.sum::<f64>() / places.len() as f64;
+    assert!((mean - 8.0).abs() < 0.8, "{mean}");
+}
+
+#[test]
+fn a_training_that_was_stopped_goes_on_to_the_same_bits() {
+    let (data, config, folder) = (dataset(2, 300), tiny(), folder("resume"));
+    let (whole, halves) = (folder.join("whole.safetensors"), folder.join("halves.safetensors"));
+    run(&data, &config, &whole, false, usize::MAX).unwrap();
+    let stopped = run(&data, &config, &halves, false, 2).unwrap();
+    assert!(!stopped.finished && !halves.exists() && stopped.curve.len() == 2);
+    run(&data, &config, &halves, true, usize::MAX).unwrap();
+    let read = |path| Weights::from_bytes(&std::fs::read(path).unwrap()).unwrap();
+    let (a, b) = (read(&whole), read(&halves));
+    assert_eq!(a.tensors, b.tensors);
+    let losses = |w: &Weights| (w.head.training.train_loss, w.head.training.validation_loss);
+    assert_eq!(losses(&a), losses(&b));
+    let last = |path| {
+        let windows = Windows::new(&data, &config).unwrap();
+        let shapes = network(&config, &windows).tensors();
+        let like = Parameters::initial(&shapes, &mut generator(0, 0, 0));
+        Checkpoint::read(&path_for(path), &like).unwrap()
+    };
+    let (a, b) = (last(&whole), last(&halves));
+    assert_eq!((a.weights, a.adam), (b.weights, b.adam));
+    // Another seed or other data are another training.
+    let other = run(&dataset(2, 301), &config, &halves, true, 9).unwrap_err().to_string();
+    assert!(other.contains("another training: the data hash"), "{other}");
+}
+
+#[test]
+fn a_loss_that_is_no_number_ends_the_training_and_leaves_the_checkpoint() {
+    let (data, config) = (dataset(1, 300), tiny());
+    let out = folder("diverges").join("w.safetensors");
+    run(&data, &config, &out, false, 1).unwrap();
+    let windows = Windows::new(&data, &config).unwrap();
+    let like = Parameters::initial(&network(&config, &windows).tensors(), &mut generator(0, 0, 0));
+    let mut broken = Checkpoint::read(&path_for(&out), &like).unwrap();
+    broken.weights.0[0].values.fill(f32::NAN);
+    broken.write(&path_for(&out)).unwrap();
+    let before = std::fs::read(path_for(&out)).unwrap();
+    let error = run(&data, &config, &out, true, 9).unwrap_err().to_string();
+    assert!(error.contains("epoch 2") && error.contains("learning_rate"), "{error}");
+    assert!(!out.exists() && std::fs::read(path_for(&out)).unwrap() == before);
+}
+
+/// The weights of an untrained network as a file, and a batch of its windows with what burn makes of it.
+fn untrained(config: &TrainConfig) -> (Weights, Windows, Vec<f32>, Vec<f32>) {
+    let data = dataset(2, 300);
+    let windows = Windows::new(&data, config).unwrap();
+    let out = folder(&format!("parity-{}", config.model.name())).join("w.safetensors");
+    // One epoch at a rate that changes every tensor.
+    run(&data, &TrainConfig { epochs: 1, learning_rate: 1e-2, ..config.clone() }, &out, false, 9)
+        .unwrap();
+    let read = Weights::from_bytes(&std::fs::read(&out).unwrap()).unwrap();
+    let parameters = Parameters(
+        read.tensors
+            .iter()
+            .map(|(name, t)| super::parameters::Parameter {
+                name: name.clone(),
+                shape: t.shape.clone(),
+                values: t.values.clone(),
+            })
+            .collect(),
+    );
+    let _one_thread = exclusive();
+    let batch = windows.batch(&windows.epoch(1, 0, 20), None);
+    let shape = [batch.size(), windows.channels, config.t_long];
+    let x: Tensor<3> = Tensor::from_data(TensorData::new(batch.x, shape), &device(false));
+    let said = network(config, &windows).forward(&Leaves::new(&parameters, false), x);
+    (read, windows, values(said.forecast), values(said.regime))
+}
+
+fn same(ours: &[f32], theirs: &[f32], what: &str) {
+    assert_eq!(ours.len(), theirs.len(), "{what}");
+    for (a, b) in ours.iter().zip(theirs) {
+        assert!((a - b).abs() <= PARITY * b.abs().max(1.0), "{what}: {a} and {b}");
+    }
+}
+
+#[test]
+fn the_fdt_and_its_ablations_fly_as_they_were_trained() {
+    let flags = [(true, true, true), (false, true, true), (true, false, true), (true, true, false)];
+    for (global_token, short_horizon, long_memory) in flags {
+        let config = TrainConfig { global_token, short_horizon, long_memory, layers: 2, ..tiny() };
+        let (weights, windows, forecast, regime) = untrained(&config);
+        let model = fdt::Model::new(&weights).unwrap();
+        let said: Vec<fdt::Output> = windows
+            .epoch(1, 0, 20)
+            .iter()
+            .map(|place| model.forward(&windows.batch(&[*place], None).x))
+            .collect();
+        let ours: Vec<f32> = said.iter().flat_map(|s| s.residual.clone()).collect();
+        let regimes: Vec<f32> = said.iter().flat_map(|s| s.regime.clone()).collect();
+        same(&ours, &forecast, &format!("{global_token} {short_horizon} {long_memory}"));
+        same(&regimes, &regime, "regime");
+    }
+}
+
+#[test]
+fn every_baseline_flies_as_it_was_trained() {
+    for model in ModelKind::ALL.into_iter().filter(|model| *model != ModelKind::Fdt) {
+        let config = TrainConfig { model, layers: 2, t_short: 1, t_long: 6, ..tiny() };
+        let (weights, windows, forecast, regime) = untrained(&config);
+        let (_, network) = learned::network(&weights).unwrap();
+        let said: Vec<(Vec<f32>, Vec<f32>)> = windows
+            .epoch(1, 0, 20)
+            .iter()
+            .map(|place| network.forward(&windows.batch(&[*place], None).x))
+            .collect();
+        let ours: Vec<f32> = said.iter().flat_map(|s| s.0.clone()).collect();
+        let regimes: Vec<f32> = said.iter().flat_map(|s| s.1.clone()).collect();
+        same(&ours, &forecast, model.name());
+        same(&regimes, &regime, model.name());
+    }
+}
+
+#[test]
+fn every_baseline_learns_the_linear_system() {
+    let data = dataset(2, 800);
+    for model in ModelKind::ALL.into_iter().filter(|model| *model != ModelKind::Fdt) {
+        let config = TrainConfig { model, epochs: 12, t_short: 1, t_long: 6, ..tiny() };
+        let out = folder(&format!("learns-{}", model.name())).join("w.safetensors");
+        let outcome = run(&data, &config, &out, false, usize::MAX).unwrap();
+        let loss = outcome.head.training.validation_loss.unwrap();
+        let most = 0.2 * outcome.validation_variance;
+        assert!(loss < most, "{}: {loss}, at most {most}", model.name());
+    }
+}

@@ -1,0 +1,195 @@
+//! A vehicle alone in Rapier's world: one rigid body under a wrench from outside. No ground, air, rotors, sensors or noise.
+
+use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
+use rapier3d_f64::prelude::*;
+
+use super::STEP_S;
+use super::articulation::{lumped_inertial, mass_properties};
+use super::convert::{from_vector, rotation_matrix, to_pose, to_vector};
+use crate::model::{Inertial, Robot, link_poses};
+use twin_core::notation::{GRAVITY_M_S2, TICK_S};
+
+/// Where the root link is and how it moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// Origin of the root link in the world, m.
+    pub position: Vector3<f64>,
+    /// World-from-body.
+    pub rotation: Matrix3<f64>,
+    /// Velocity of the origin in the world, m/s.
+    pub velocity: Vector3<f64>,
+    /// Angular velocity in the body, rad/s.
+    pub body_rate: Vector3<f64>,
+}
+
+/// What acts on it during a tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Wrench {
+    /// At the origin of the root link.
+    Free {
+        /// Force and torque in the body, turning with it, N and N m.
+        in_body: [Vector3<f64>; 2],
+        /// Force in the world, N.
+        in_world: Vector3<f64>,
+    },
+    /// Force in the world, N. The attitude stays as it was put.
+    Held(Vector3<f64>),
+}
+
+/// Mass, centre of mass and inertia of the whole of `robot` in its root link, its joints locked at `angles`, rad or m.
+pub fn locked(robot: &Robot, angles: &[f64]) -> Inertial {
+    let poses = link_poses(robot, &Isometry3::identity(), angles);
+    let places: Vec<_> = poses.into_iter().map(|pose| (0, pose)).collect();
+    lumped_inertial(robot, &(0..robot.links.len()).collect::<Vec<_>>(), &places)
+}
+
+/// The body.
+pub struct FreeBody {
+    world: PhysicsWorld,
+    handle: RigidBodyHandle,
+    com_in_root: Vector3<f64>,
+}
+
+impl FreeBody {
+    /// Of this mass, centre of mass and inertia in the root link.
+    pub fn new(inertial: &Inertial) -> Self {
+        let mut world = PhysicsWorld {
+            gravity: Vector::new(0.0, 0.0, -GRAVITY_M_S2),
+            ..PhysicsWorld::default()
+        };
+        world.integration_parameters.dt = STEP_S;
+        let builder = RigidBodyBuilder::dynamic()
+            .additional_mass_properties(mass_properties(inertial))
+            .can_sleep(false);
+        let handle = world.insert_body(builder);
+        Self { world, handle, com_in_root: inertial.com_in_link }
+    }
+
+    /// Puts it there, moving so.
+    pub fn put(&mut self, motion: &Motion) {
+        let Self { world, handle, com_in_root } = self;
+        let PhysicsWorld { bodies, colliders, .. } = world;
+        let Some(body) = bodies.get_mut(*handle) else { return };
+        let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(
+            motion.rotation,
+        ));
+        body.set_position(to_pose(&Isometry3::from_parts(motion.position.into(), rotation)), true);
+        let omega = motion.rotation * motion.body_rate;
+        let com_velocity = motion.velocity + omega.cross(&(motion.rotation * *com_in_root));
+        body.set_linvel(to_vector(&com_velocity), true);
+        body.set_angvel(to_vector(&omega), true);
+        body.recompute_mass_properties_from_colliders(colliders);
+    }
+
+    /// Ten steps of 1 ms under `wrench`.
+    pub fn tick(&mut self, wrench: &Wrench) {
+        let held = matches!(wrench, Wrench::Held(_));
+        for _ in 0..(TICK_S / STEP_S).round() as usize {
+            let motion = self.motion();
+            let Some(body) = self.world.bodies.get_mut(self.handle) else { return };
+            body.reset_forces(true);
+            body.reset_torques(true);
+            if held {
+                body.set_angvel(Vector::ZERO, true);
+            }
+            match wrench {
+                Wrench::Held(force) => body.add_force(to_vector(force), true),
+                Wrench::Free { in_body, in_world } => {
+                    // Held over the step in the world: taken at the attitude of mid-step.
+                    let middle = Rotation3::new(motion.body_rate * (0.5 * STEP_S));
+                    let rotation = motion.rotation * middle.matrix();
+                    let force = rotation * in_body[0] + in_world;
+                    body.add_force_at_point(to_vector(&force), to_vector(&motion.position), true);
+                    body.add_torque(to_vector(&(rotation * in_body[1])), true);
+                }
+            }
+            self.world.step();
+        }
+    }
+
+    /// Where it is and how it moves.
+    pub fn motion(&self) -> Motion {
+        let identity = Motion {
+            position: Vector3::zeros(),
+            rotation: Matrix3::identity(),
+            velocity: Vector3::zeros(),
+            body_rate: Vector3::zeros(),
+        };
+        let Some(body) = self.world.bodies.get(self.handle) else { return identity };
+        let rotation = rotation_matrix(body.position().rotation);
+        let omega = from_vector(body.angvel());
+        Motion {
+            position: from_vector(body.position().translation),
+            rotation,
+            velocity: from_vector(body.linvel()) - omega.cross(&(rotation * self.com_in_root)),
+            body_rate: rotation.transpose() * omega,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MASS_KG: f64 = 2.0;
+    const INERTIA_KG_M2: f64 = 0.02;
+
+    fn body(com_in_link: Vector3<f64>) -> FreeBody {
+        let inertia_in_link = Matrix3::identity() * INERTIA_KG_M2;
+        FreeBody::new(&Inertial { mass_kg: MASS_KG, com_in_link, inertia_in_link })
+    }
+
+    fn start() -> Motion {
+        Motion {
+            position: Vector3::new(1.0, 2.0, 3.0),
+            rotation: Matrix3::identity(),
+            velocity: Vector3::new(0.5, -0.2, 0.1),
+            body_rate: Vector3::zeros(),
+        }
+    }
+
+    /// Euler's method with steps of 1 ms is off by half a step of velocity: `a dt t / 2`, here 10 m/s² over 1 s.
+    const OF_THE_STEP: f64 = 0.006;
+
+    #[test]
+    fn it_falls_as_newton_says_whether_its_attitude_is_held_or_free() {
+        let mut motion = start();
+        motion.rotation = *Rotation3::from_euler_angles(0.3, -0.2, 1.0).matrix();
+        let push = Vector3::new(3.0, 0.0, 4.0);
+        let a = push / MASS_KG - Vector3::z() * GRAVITY_M_S2;
+        let wanted = motion.position + motion.velocity + a * 0.5;
+        let free = Wrench::Free {
+            in_body: [motion.rotation.transpose() * push, Vector3::zeros()],
+            in_world: Vector3::zeros(),
+        };
+        for wrench in [free, Wrench::Held(push)] {
+            let mut body = body(Vector3::zeros());
+            body.put(&motion);
+            (0..100).for_each(|_| body.tick(&wrench));
+            let found = body.motion();
+            assert!((found.position - wanted).norm() < OF_THE_STEP, "{found:?} {wanted:?}");
+            assert!((found.rotation - motion.rotation).norm() < 1e-9, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn a_torque_turns_it_and_an_eccentric_mass_tumbles_about_its_centre() {
+        let mut turned = body(Vector3::zeros());
+        turned.put(&start());
+        let torque = Vector3::new(0.01, 0.0, 0.0);
+        let wrench =
+            Wrench::Free { in_body: [Vector3::zeros(), torque], in_world: Vector3::zeros() };
+        (0..100).for_each(|_| turned.tick(&wrench));
+        let rate = turned.motion().body_rate.x;
+        assert!((rate - torque.x / INERTIA_KG_M2).abs() < 1e-6, "{rate}");
+        let com = Vector3::new(0.1, 0.0, 0.0);
+        let mut tumbling = body(com);
+        let motion = Motion { body_rate: Vector3::new(0.0, 0.0, 2.0), ..start() };
+        tumbling.put(&motion);
+        assert!((tumbling.motion().velocity - motion.velocity).norm() < 1e-12);
+        let lift = Wrench::Held(Vector3::z() * MASS_KG * GRAVITY_M_S2);
+        tumbling.tick(&lift);
+        // Held means held: no turning, whatever it was put with.
+        assert!(tumbling.motion().body_rate.norm() < 1e-12);
+    }
+}

@@ -1,0 +1,89 @@
+//! The simulated vehicle in its arena: the only place that knows Rapier and glam.
+//!
+//! In: a [`twin_core::tick::Setpoint`] and the inner rows. Out: a [`twin_core::tick::Measurement`] every 10 ms, made of ten steps of 1 ms.
+//! State: Rapier's world, actuators, wake, wind, sensors, estimator.
+
+pub mod model;
+pub mod settings;
+mod convert;
+pub mod articulation;
+mod arena;
+mod gripper;
+mod rotors;
+mod aero;
+mod wind;
+mod sensors;
+mod estimator;
+mod setup;
+pub mod vehicle;
+mod failures;
+mod truth;
+mod source;
+mod free;
+
+pub use articulation::Articulation;
+pub use free::{FreeBody, Motion, Wrench, locked};
+pub use settings::{
+    AeroSettings, ArenaObject, ArenaSettings, ContactSettings, GripperSettings, PayloadSettings,
+    PlantSettings, RotorSettings, SensorSettings, VehicleSettings, WindKind, WindSettings,
+};
+pub use setup::{Start, new_world};
+pub use vehicle::SimulatedVehicle;
+
+/// Plant step, s.
+const STEP_S: f64 = 1e-3;
+
+/// Why a vehicle or an arena cannot be simulated.
+#[derive(Debug, thiserror::Error)]
+pub enum PlantError {
+    /// A name in the scenario does not exist in the URDF.
+    #[error("{key}: {file} has no {what} called {name:?}; it has {available}")]
+    UnknownName {
+        /// Scenario key.
+        key: &'static str,
+        /// URDF file.
+        file: String,
+        /// `link` or `joint`.
+        what: &'static str,
+        /// What was asked for.
+        name: String,
+        /// What exists.
+        available: String,
+    },
+    /// The physics engine stores another tensor than the URDF's.
+    #[error(
+        "link {link:?}: Rapier cannot represent its inertia tensor (relative error {relative_error:.1e}); make the \
+         principal moments of this small link equal or separate them by more than 1e-5 kg m²"
+    )]
+    Inertia {
+        /// Link.
+        link: String,
+        /// Relative error of the tensor.
+        relative_error: f64,
+    },
+    /// A mesh has no volume to collide with.
+    #[error(
+        "link {link:?}: its collision mesh has no convex hull (fewer than four points that are not in a plane)"
+    )]
+    Hull {
+        /// Link.
+        link: String,
+    },
+    /// A joint could not be inserted.
+    #[error("joint {joint:?} would close a kinematic loop; a floating-base tree is required")]
+    Loop {
+        /// Joint.
+        joint: String,
+    },
+    /// The vehicle cannot fly.
+    #[error("vehicle.rotors: {found} rotors given, 3 to {max} needed")]
+    Rotors {
+        /// What was found.
+        found: usize,
+        /// Limit.
+        max: usize,
+    },
+    /// Geometry of a model file.
+    #[error(transparent)]
+    Model(#[from] crate::model::ModelError),
+}

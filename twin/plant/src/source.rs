@@ -1,0 +1,70 @@
+//! The simulated vehicle as a [`Source`]: ten 1 ms steps per tick, the inner rows every second one.
+
+use nalgebra::Vector3;
+
+use super::STEP_S;
+use super::truth::truth;
+use super::vehicle::SimulatedVehicle;
+use twin_core::notation::{Coords, TICK_S};
+use twin_core::source::{Disturbance, InnerLoop, InnerState, Source};
+use twin_core::tick::{GripperReading, Measurement, Setpoint, Truth};
+
+impl Source for SimulatedVehicle {
+    fn advance(&mut self, setpoint: &Setpoint, inner: &mut dyn InnerLoop) -> Measurement {
+        let mut saturated = false;
+        let mut filtered = (Coords::zeros(), Coords::zeros());
+        let steps = (TICK_S / STEP_S).round() as usize;
+        let mut state = self.state();
+        for _ in 0..steps {
+            if self.step.is_multiple_of(self.inner_steps) && !self.failures.stalled {
+                let (chi, chi_dot) = (self.estimator.chi(), self.estimator.chi_dot());
+                let view = InnerState {
+                    eta: chi.fixed_rows::<3>(3).into_owned(),
+                    eta_dot: chi_dot.fixed_rows::<3>(3).into_owned(),
+                    joint: chi.fixed_rows::<2>(6).into_owned(),
+                    joint_dot: chi_dot.fixed_rows::<2>(6).into_owned(),
+                };
+                self.command = inner.command(setpoint, &view);
+                saturated |= self.command.saturated;
+            }
+            self.step_world(&state, setpoint);
+            state = self.state();
+            filtered = self.sense(&state);
+        }
+        Measurement {
+            t_s: self.step as f64 * STEP_S,
+            chi: self.estimator.chi(),
+            chi_dot: self.estimator.chi_dot(),
+            chi_ddot: filtered.0,
+            tau_applied: filtered.1,
+            gripper: self.gripper.as_ref().map_or_else(GripperReading::default, |g| {
+                g.reading(&self.world, &self.articulation)
+            }),
+            payload: self.payload_seen,
+            saturated,
+        }
+    }
+
+    fn truth(&self) -> Option<Truth> {
+        Some(truth(self))
+    }
+
+    fn disturb(&mut self, disturbance: &Disturbance) {
+        match disturbance {
+            Disturbance::PayloadMass { kg } => {
+                self.settings.payload.mass_kg = *kg;
+                self.arena.set_payload_mass(&mut self.world, *kg, self.settings.payload.size_m);
+            }
+            Disturbance::Wind { velocity_m_s } => self.wind.settings.velocity_m_s = *velocity_m_s,
+            Disturbance::Push { force_n, duration_s } => {
+                self.push = Some((Vector3::from(*force_n), *duration_s));
+            }
+            // The cube turns slippery: it leaves the closed fingers by its weight.
+            Disturbance::DropPayload => self.set_grip_friction(0.0),
+            Disturbance::Failure { failure, on } => self.fail(failure, *on),
+            Disturbance::Effect { name, on } => {
+                self.aero.switch(name, *on);
+            }
+        }
+    }
+}

@@ -1,0 +1,261 @@
+//! The simulated vehicle and one step of its world, 1 ms.
+
+use nalgebra::{Vector2, Vector3};
+use rand::SeedableRng;
+use rand_pcg::Pcg64;
+use rapier3d_f64::prelude::*;
+
+use super::aero::{Aero, Flow, wake_force};
+use super::arena::Arena;
+use super::convert::{from_vector, rotation_matrix, to_vector};
+use super::estimator::{Estimator, stack};
+use super::gripper::Gripper;
+use super::rotors::{Delay, Rotors};
+use super::sensors::{Sensors, State};
+use super::setup::{Rig, Start, rig};
+use super::wind::Wind;
+use super::{Articulation, PlantError, PlantSettings, STEP_S};
+use crate::model::{Robot, Statics};
+use twin_core::elementary::{atan2, squared};
+use twin_core::filter::Butterworth;
+use twin_core::notation::{Coords, GRAVITY_M_S2, MAX_ROTORS, N, body_rate_from_euler_rate};
+use twin_core::tick::{ActuatorCommand, PayloadReading, Setpoint};
+
+/// Corner of the filter pair `H` on acceleration and applied force, Hz: the optimum between noise and lag.
+const RESIDUAL_CORNER_HZ: f64 = 8.0;
+
+/// Drag coefficient of a cube.
+const CUBE_DRAG: f64 = 1.05;
+
+/// What is wrong with the vehicle besides its sensors and rotors.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Failures {
+    /// Commands stay as they are.
+    pub(super) stalled: bool,
+    /// Added to the wind, m/s.
+    pub(super) gust: Vector3<f64>,
+    /// Friction of the grip before it turned slippery.
+    pub(super) healthy_friction: Vec<(ColliderHandle, f64)>,
+}
+
+/// The vehicle, its arena, its sensors.
+pub struct SimulatedVehicle {
+    pub(super) world: PhysicsWorld,
+    pub(super) robot: Robot,
+    pub(super) articulation: Articulation,
+    pub(super) arena: Arena,
+    pub(super) gripper: Option<Gripper>,
+    pub(super) settings: PlantSettings,
+    pub(super) arm: Vec<usize>,
+    pub(super) rotors: Rotors,
+    pub(super) wind_now: Vector3<f64>,
+    pub(super) failures: Failures,
+    pub(super) sensors: Sensors,
+    pub(super) aero: Aero,
+    pub(super) wind: Wind,
+    pub(super) estimator: Estimator,
+    pub(super) payload_seen: Option<PayloadReading>,
+    rng: Pcg64,
+    joint_delay: Delay<Vector2<f64>>,
+    pub(super) command: ActuatorCommand,
+    filter_chi_ddot: Butterworth<N>,
+    filter_tau: Butterworth<N>,
+    pub(super) push: Option<(Vector3<f64>, f64)>,
+    hover_speed_rad_s: f64,
+    pub(super) step: u64,
+    pub(super) inner_steps: u64,
+}
+
+impl SimulatedVehicle {
+    /// The vehicle of `settings` (URDFs already loaded) at `start`, everything random drawn from `seed`.
+    ///
+    /// # Errors
+    /// [`PlantError`] for names that do not exist, tensors or meshes Rapier cannot represent, and too few or many rotors.
+    pub fn new(
+        robot: Robot,
+        objects: &[Robot],
+        settings: PlantSettings,
+        start: &Start,
+        seed: u64,
+    ) -> Result<Self, PlantError> {
+        let vehicle = &settings.vehicle;
+        if vehicle.rotors.len() < 3 || vehicle.rotors.len() > MAX_ROTORS {
+            return Err(PlantError::Rotors { found: vehicle.rotors.len(), max: MAX_ROTORS });
+        }
+        let mut rng = Pcg64::seed_from_u64(seed);
+        let Rig { world, articulation, arm, gripper, arena } =
+            rig(&robot, objects, &settings, start, &mut rng)?;
+        let arm_joints: Vec<usize> = arm.iter().map(|dof| articulation.dofs[*dof].joint).collect();
+        let payload_kg = if start.grasped.is_some() { settings.payload.mass_kg } else { 0.0 };
+        let hover_n =
+            (robot.total_mass_kg() + payload_kg) * GRAVITY_M_S2 / vehicle.rotors.len() as f64;
+        let rotor_n = hover_n / vehicle.rotor.thrust_scale;
+        let chi = stack(&start.position, &Vector3::zeros(), &start.joints);
+        let statics = Statics::new(&robot, &arm_joints);
+        let mut filter_tau = Butterworth::new(RESIDUAL_CORNER_HZ, STEP_S);
+        filter_tau.settle(&statics.gravity(&chi));
+        let estimator = Estimator::new(
+            start.position,
+            nalgebra::Matrix3::identity(),
+            start.joints,
+            &settings.sensors,
+            STEP_S,
+        );
+        Ok(Self {
+            rotors: Rotors::new(&vehicle.rotors, &vehicle.rotor, rotor_n, STEP_S),
+            aero: Aero::new(&settings.aero),
+            wind: Wind::new(&settings.wind),
+            wind_now: Vector3::zeros(),
+            failures: Failures::default(),
+            sensors: Sensors::new(&settings.sensors, seed, STEP_S),
+            joint_delay: Delay::new(vehicle.joint_delay_s, STEP_S, Vector2::zeros()),
+            command: ActuatorCommand {
+                rotor_thrust_n: [0.0; MAX_ROTORS],
+                joint_torque_n_m: Vector2::zeros(),
+                saturated: false,
+            },
+            filter_chi_ddot: Butterworth::new(RESIDUAL_CORNER_HZ, STEP_S),
+            hover_speed_rad_s: (hover_n / vehicle.rotor.thrust_coefficient_n_s2).sqrt(),
+            payload_seen: None,
+            push: None,
+            step: 0,
+            inner_steps: start.inner_steps.max(1),
+            filter_tau,
+            world,
+            robot,
+            articulation,
+            arena,
+            gripper,
+            arm,
+            estimator,
+            rng,
+            settings,
+        })
+    }
+
+    /// The true state as the sensors see it.
+    pub(super) fn state(&self) -> State {
+        let root = self.articulation.link_pose(&self.world, self.robot.root);
+        let rotation = *root.rotation.to_rotation_matrix().matrix();
+        let body = self.world.bodies.get(self.articulation.bodies[0].handle);
+        let (com_velocity, omega_world) = body.map_or((Vector3::zeros(), Vector3::zeros()), |b| {
+            (from_vector(b.linvel()), from_vector(b.angvel()))
+        });
+        let com = body.map_or_else(Vector3::zeros, |b| from_vector(b.center_of_mass()));
+        let position = root.translation.vector;
+        let mut joint = Vector2::zeros();
+        let mut joint_dot = Vector2::zeros();
+        for (row, dof) in self.arm.iter().enumerate() {
+            (joint[row], joint_dot[row]) = self.articulation.joint_state(&self.world, *dof);
+        }
+        let payload =
+            self.arena.payload.and_then(|handle| self.world.bodies.get(handle)).map(|b| {
+                let r = rotation_matrix(b.position().rotation);
+                PayloadReading {
+                    position_in_world: from_vector(b.position().translation),
+                    yaw_rad: atan2(r[(1, 0)], r[(0, 0)]),
+                }
+            });
+        State {
+            rotation,
+            position,
+            velocity: com_velocity + omega_world.cross(&(position - com)),
+            omega: rotation.transpose() * omega_world,
+            joint,
+            joint_dot,
+            payload,
+        }
+    }
+
+    /// One 1 ms step of the world under the command in force.
+    pub(super) fn step_world(&mut self, state: &State, setpoint: &Setpoint) {
+        let t_s = self.step as f64 * STEP_S;
+        let wind = self.wind.step(t_s, state.velocity.norm(), STEP_S, &mut self.rng);
+        self.wind_now = wind + self.failures.gust;
+        self.rotors.step(self.command.rotor_thrust_n, STEP_S);
+        let torque = self.joint_delay.step(self.command.joint_torque_n_m);
+        self.articulation.clear_forces(&mut self.world);
+        // Forces are held over the step in the world frame: apply them at the attitude of mid-step.
+        let middle = nalgebra::Rotation3::new(state.omega * (0.5 * STEP_S));
+        let rotation = state.rotation * middle.matrix();
+        let flow = Flow {
+            rotation,
+            position: state.position,
+            velocity: state.velocity,
+            wind: self.wind_now,
+        };
+        let thrust_n = self.aero.thrust_near_surfaces(&self.rotors, &flow, &self.arena);
+        let (collective, moment) = self.rotors.wrench(&thrust_n);
+        let (drag, unsteady) =
+            self.aero.step(&flow, &self.rotors, &thrust_n, STEP_S, &mut self.rng);
+        let force = rotation * Vector3::new(0.0, 0.0, collective) + drag + self.take_push();
+        let moment = rotation * (moment + unsteady);
+        if let Some(root) = self.world.bodies.get_mut(self.articulation.bodies[0].handle) {
+            root.add_force_at_point(to_vector(&force), to_vector(&state.position), true);
+            root.add_torque(to_vector(&moment), true);
+        }
+        for (row, dof) in self.arm.iter().enumerate() {
+            self.articulation.apply_joint_effort(&mut self.world, *dof, torque[row]);
+        }
+        self.apply_wake(&flow);
+        if let Some(gripper) = &mut self.gripper {
+            gripper.drive(&mut self.world, &self.articulation, setpoint.gripper);
+        }
+        self.world.step();
+        self.step += 1;
+    }
+
+    fn take_push(&mut self) -> Vector3<f64> {
+        match &mut self.push {
+            Some((force, left_s)) if *left_s > 0.0 => {
+                *left_s -= STEP_S;
+                *force
+            }
+            _ => Vector3::zeros(),
+        }
+    }
+
+    /// Downwash on arm links and payload.
+    fn apply_wake(&mut self, flow: &Flow) {
+        let area = self.settings.aero.link_drag_area_m2;
+        for dof in &self.arm {
+            let handle = self.articulation.bodies[self.articulation.dofs[*dof].child].handle;
+            if let Some(body) = self.world.bodies.get_mut(handle) {
+                let com = body.center_of_mass();
+                let wake = self.aero.wake_at(&from_vector(com), flow, &self.rotors);
+                body.add_force_at_point(to_vector(&wake_force(&wake, area)), com, true);
+            }
+        }
+        if let Some(body) = self.arena.payload.and_then(|handle| self.world.bodies.get_mut(handle))
+        {
+            let wake =
+                self.aero.wake_at(&from_vector(body.position().translation), flow, &self.rotors);
+            let drag_area = CUBE_DRAG * squared(self.settings.payload.size_m);
+            body.reset_forces(false);
+            body.add_force(to_vector(&wake_force(&wake, drag_area)), true);
+        }
+    }
+
+    /// Sensors, estimator and the filter pair `H` after a step.
+    pub(super) fn sense(&mut self, state: &State) -> (Coords, Coords) {
+        let speeds = std::array::from_fn(|i| self.rotors.speed_rad_s(i));
+        let imu = self.sensors.imu(state, &speeds, self.hover_speed_rad_s);
+        self.estimator.predict(&imu);
+        if let Some(mocap) = self.sensors.mocap(state) {
+            self.estimator.correct(&mocap);
+            self.payload_seen = mocap.payload;
+        }
+        let (joint, joint_dot, fresh) = self.sensors.encoders(state);
+        self.estimator.encoders(joint, joint_dot, fresh);
+        let tau = self.modelled_force();
+        (self.filter_chi_ddot.step(&self.estimator.chi_ddot()), self.filter_tau.step(&tau))
+    }
+
+    /// `tau = [R e3 T ; E^T m ; tau_q]` from the modelled rotor thrusts and the measured attitude.
+    fn modelled_force(&self) -> Coords {
+        let (collective, moment) = self.rotors.wrench(&self.rotors.modelled_thrust_n);
+        let force = self.estimator.rotation() * Vector3::new(0.0, 0.0, collective);
+        let tau_eta = body_rate_from_euler_rate(&self.estimator.eta()).transpose() * moment;
+        stack(&force, &tau_eta, &self.command.joint_torque_n_m)
+    }
+}

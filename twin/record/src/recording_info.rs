@@ -1,0 +1,63 @@
+//! What a recording says beside its ticks: at its start and at its end.
+
+use std::collections::BTreeMap;
+
+use crate::program;
+use crate::recording::MIRRORED;
+use crate::scene::Scene;
+
+/// What a recording says about its flight.
+#[derive(Clone, Debug)]
+pub struct RecordingInfo {
+    /// Name of the scenario.
+    pub scenario: String,
+    /// The scenario with every default and override resolved, as TOML.
+    pub scenario_toml: String,
+    /// Seed of the run.
+    pub seed: u64,
+    /// Values in force at the start, as JSON.
+    pub gains_json: String,
+    /// What the actuators can do, as JSON.
+    pub limits_json: String,
+    /// Scale, attention and arithmetic of the predictor, as JSON.
+    pub predictor_json: String,
+    /// Arithmetic of the predictor's network: part of what makes two flights of one seed equal.
+    pub kernel: String,
+    /// The vehicle's URDF.
+    pub urdf: String,
+    /// What to draw.
+    pub scene: Scene,
+    /// URDF names of the arm joints, `q1` first.
+    pub joint_names: Vec<String>,
+    /// A foreign flight in shadow: what is not a number in its ticks is unknown, not a fault.
+    pub mirrored: bool,
+}
+
+/// What is known at the end of a flight only.
+#[derive(Clone, Debug, Default)]
+pub struct RecordingEnd {
+    /// Hash of the flight's final state.
+    pub state_hash: u64,
+    /// Verdict with its reason, empty if the flight was cut short.
+    pub verdict: String,
+}
+
+impl RecordingInfo {
+    /// The metadata written at the start.
+    pub(super) fn metadata(&self) -> BTreeMap<String, String> {
+        let mirrored = self.mirrored.then(|| (MIRRORED.to_owned(), "true".to_owned()));
+        let said = [
+            ("scenario", self.scenario.clone()),
+            ("seed", self.seed.to_string()),
+            ("gains", self.gains_json.clone()),
+            ("actuator_limits", self.limits_json.clone()),
+            ("version", program::VERSION.to_owned()),
+            ("git", program::commit().to_owned()),
+            ("predictor", self.predictor_json.clone()),
+            ("kernel", self.kernel.clone()),
+            ("joints", serde_json::json!(self.joint_names).to_string()),
+        ]
+        .map(|(key, value)| (key.to_owned(), value));
+        said.into_iter().chain(mirrored).collect()
+    }
+}

@@ -1,0 +1,162 @@
+//! How trained weights fly: the closed-loop figures without which they are not flown.
+//!
+//! The adapter is off and the estimate slow, so that the base forecast alone carries the vehicle; what is scored is that
+//! forecast against the residual it helped to make.
+
+use std::path::Path;
+
+use super::{BuildError, Judge, Scenario, ScenarioError, Verdict};
+use twin_core::elementary::squared;
+use twin_core::notation::{Coords, N};
+use twin_core::residual::weights::{Acceptance, Weights, WeightsError};
+use twin_core::tick::Tick;
+
+/// Corner of the low-pass on the estimate, Hz.
+const BANDWIDTH_HZ: f64 = 2.0;
+
+/// Ticks before this time belong to the start, s.
+const FROM_S: f64 = 2.0;
+
+/// Why weights cannot be flown at all.
+#[derive(Debug, thiserror::Error)]
+pub enum AcceptanceError {
+    /// The weights' file.
+    #[error("{file}: {reason}")]
+    File {
+        /// File.
+        file: String,
+        /// What is wrong.
+        reason: String,
+    },
+    /// The weights.
+    #[error(transparent)]
+    Weights(#[from] WeightsError),
+    /// A scenario.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// The flight.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+}
+
+/// One flight of the acceptance.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Flown {
+    /// Scenario.
+    pub scenario: String,
+    /// Mean over rows of the base forecast's R², a priori.
+    pub r2: f64,
+    /// The same per row, in coordinate order.
+    pub r2_rows: [f64; N],
+    /// How the flight ended.
+    pub verdict: Verdict,
+    /// Why.
+    pub reason: String,
+    #[serde(skip)]
+    score: Score,
+}
+
+/// Flies `scenario` with the weights of `file`, overridden by `overrides`, and scores the base forecast.
+///
+/// # Errors
+/// [`AcceptanceError`] if the scenario or the weights cannot be flown.
+pub fn fly(scenario: &Path, file: &Path, overrides: &[String]) -> Result<Flown, AcceptanceError> {
+    // Relative to where the command runs, not to the scenario.
+    let path = std::path::absolute(file).map_err(|error| unusable(file, &error))?;
+    let mut all = vec![
+        "predictor.kind=\"trained\"".to_owned(),
+        format!("predictor.weights={:?}", path.display().to_string()),
+        "predictor.force=true".to_owned(),
+        "gains.adapter_on=0.0".to_owned(),
+        format!("gains.residual_bandwidth_hz={BANDWIDTH_HZ:?}"),
+    ];
+    all.extend_from_slice(overrides);
+    let scenario = Scenario::load(scenario, &all)?;
+    let mut flight = scenario.build()?;
+    let mut judge = Judge::new(&scenario.settings);
+    let mut score = Score::default();
+    loop {
+        let tick = flight.tick();
+        score.add(&tick);
+        if let Some((verdict, reason)) = judge.watch(&tick) {
+            let (r2, r2_rows) = (score.mean(), score.rows());
+            return Ok(Flown { scenario: scenario.name, r2, r2_rows, verdict, reason, score });
+        }
+    }
+}
+
+impl Flown {
+    /// What the head says of this flight: a flight that was not completed proves nothing.
+    pub fn figure(&self) -> Option<f64> {
+        (self.verdict == Verdict::Completed && self.r2.is_finite()).then_some(self.r2)
+    }
+}
+
+/// R² over all ticks of `flights` together, mean over rows and per row; `None` unless every flight was completed.
+pub fn together(flights: &[Flown]) -> Option<(f64, [f64; N])> {
+    let complete = !flights.is_empty() && flights.iter().all(|flown| flown.figure().is_some());
+    let score = flights.iter().fold(Score::default(), |sum, flown| sum.and(&flown.score));
+    complete.then(|| (score.mean(), score.rows()))
+}
+
+/// Writes the figures into the head of `file`.
+///
+/// # Errors
+/// [`AcceptanceError`] if the file cannot be read or written.
+pub fn write(file: &Path, acceptance: Acceptance) -> Result<(), AcceptanceError> {
+    let bytes = std::fs::read(file).map_err(|error| unusable(file, &error))?;
+    let mut weights = Weights::from_bytes(&bytes)?;
+    weights.head.acceptance = acceptance;
+    // Beside it, then over it: a file that is read meanwhile is whole.
+    let new = file.with_extension("safetensors.new");
+    std::fs::write(&new, weights.to_bytes()?).map_err(|error| unusable(&new, &error))?;
+    std::fs::rename(&new, file).map_err(|error| unusable(file, &error))
+}
+
+fn unusable(file: &Path, error: &std::io::Error) -> AcceptanceError {
+    AcceptanceError::File { file: file.display().to_string(), reason: error.to_string() }
+}
+
+/// Sums for the coefficient of determination of each row.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Score {
+    count: f64,
+    sum: Coords,
+    squares: Coords,
+    errors: Coords,
+}
+
+impl Score {
+    fn add(&mut self, tick: &Tick) {
+        let Some(base) = tick.forecast.base.first() else { return };
+        if tick.measurement.t_s < FROM_S {
+            return;
+        }
+        let error = tick.residual - base;
+        self.count += 1.0;
+        self.sum += tick.residual;
+        self.squares += tick.residual.component_mul(&tick.residual);
+        self.errors += error.component_mul(&error);
+    }
+
+    fn and(self, other: &Self) -> Self {
+        Self {
+            count: self.count + other.count,
+            sum: self.sum + other.sum,
+            squares: self.squares + other.squares,
+            errors: self.errors + other.errors,
+        }
+    }
+
+    fn mean(&self) -> f64 {
+        self.rows().iter().sum::<f64>() / N as f64
+    }
+
+    /// `1 - sum (r - base)^2 / sum (r - mean r)^2` per row; NaN without ticks.
+    fn rows(&self) -> [f64; N] {
+        std::array::from_fn(|row| {
+            let spread = self.squares[row] - squared(self.sum[row]) / self.count;
+            1.0 - self.errors[row] / spread
+        })
+    }
+}

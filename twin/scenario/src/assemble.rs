@@ -1,0 +1,373 @@
+//! From settings to the parts of a flight.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use nalgebra::{Vector2, Vector3};
+
+use super::settings::{
+    ControllerKind, ExcitationSettings, PathSettings, PathShape, PredictorKind, Settings,
+    StartKind, TaskKind, Units,
+};
+use super::{BuildError, Scenario, failures, trained};
+use twin_core::control::{
+    Adaptive, Allocation, Controller, Excited, Gains, L1, L1Settings, Multisine, Pid, Preset,
+    Rotor, Rows,
+};
+use twin_core::flight::Parts;
+use twin_core::notation::{Coords, GRAVITY_M_S2};
+use twin_core::residual::{
+    Bias, Gravity, GravityModel, None as NoPrediction, Persistence, Predictor, PredictorInfo,
+    RandomFeatures, lra,
+};
+use twin_core::task::path::Curve;
+use twin_core::task::{
+    Excitation, FollowPath, Hover, Mission, PickPlace, Region, Task, ToolKinematics,
+};
+use twin_core::tick::{GripperCommand, Setpoint};
+use twin_core::tuning::{Tuning, TuningError};
+use twin_plant::model::{Arm, Packages, Robot, Statics};
+use twin_plant::{SimulatedVehicle, Start};
+
+/// Ticks of history kept for predictors, `T_l`.
+const HISTORY_LEN: usize = 120;
+
+/// Reset threshold of the `tuned` preset: 1.5 × the 99.9 % quantile of the mean innovation over a payload-free flight, 0.74 as the
+/// mean of seeds 1 to 5 of `twin fly scenarios/free_flight.toml --headless --seed N` (`innovation_mean_q999`).
+const TUNED_RESET_THRESHOLD: f64 = 1.1;
+
+/// The vehicle and arena files, read.
+pub(super) struct Models {
+    pub(super) robot: Robot,
+    pub(super) objects: Vec<Robot>,
+}
+
+/// Reads every model file of the scenario.
+pub(super) fn models(scenario: &Scenario) -> Result<Models, BuildError> {
+    let settings = &scenario.settings;
+    let folder = scenario.folder();
+    let packages = Packages(packages(scenario)?);
+    let robot = Robot::load(&folder.join(&settings.vehicle.urdf), &packages)?;
+    let load =
+        |object: &twin_plant::ArenaObject| Robot::load(&folder.join(&object.urdf), &packages);
+    let objects = settings.arena.objects.iter().map(load).collect::<Result<Vec<_>, _>>()?;
+    Ok(Models { robot, objects })
+}
+
+/// Folders that `package://` addresses of the model files name.
+pub(super) fn packages(scenario: &Scenario) -> Result<Vec<(String, PathBuf)>, BuildError> {
+    let pairs = scenario.settings.vehicle.packages.iter();
+    let folder = scenario.folder();
+    pairs
+        .map(|pair| match pair.split_once('=') {
+            Some((name, path)) if !name.is_empty() && !path.is_empty() => {
+                Ok((name.to_owned(), folder.join(path)))
+            }
+            _ => Err(BuildError::Unfit {
+                key: "vehicle.packages",
+                reason: format!("found {pair:?}, expected \"name=folder\""),
+            }),
+        })
+        .collect()
+}
+
+/// The parts of a scenario's flight.
+pub(super) fn parts(scenario: &Scenario) -> Result<Parts, BuildError> {
+    let settings = &scenario.settings;
+    let Models { robot, objects } = models(scenario)?;
+    let arm_joints = arm_joints(settings, &robot)?;
+    let arm = arm(settings, &robot, &arm_joints)?;
+    let start = start(settings, &arm)?;
+    let tuning = tuning(settings)?;
+    let gravity = || -> GravityModel {
+        let statics = Statics::new(&robot, &arm_joints);
+        Box::new(move |chi: &Coords| statics.gravity(chi))
+    };
+    let predictor = failures::predictor(settings, predictor(scenario, &tuning, &gravity)?);
+    let scale = match settings.predictor.units {
+        Units::ZScore => predictor.info().scale,
+        Units::Physical => Coords::repeat(1.0),
+    };
+    let history_len = predictor.history_len().max(HISTORY_LEN);
+    let adapter = lra::Adapter::new(predictor.regime_len(), scale, &tuning.adapter);
+    let weight_n = robot.total_mass_kg() * GRAVITY_M_S2;
+    let setpoint = first_setpoint(&tuning.gains, &start, weight_n);
+    let rows = rows(settings, &robot, &arm_joints)?;
+    let controller = controller(settings);
+    let (mut schedule, triggers) = failures::schedule(settings)?;
+    schedule.extend(settings.disturbances.iter().map(|d| (d.at_s, d.disturbance.clone())));
+    let gravity = gravity();
+    let task = task(settings, arm);
+    let source = SimulatedVehicle::new(robot, &objects, settings.plant(), &start, settings.seed)?;
+    Ok(Parts {
+        source: Box::new(source),
+        predictor,
+        adapter,
+        controller,
+        rows,
+        task,
+        gravity,
+        tuning,
+        schedule,
+        triggers,
+        setpoint,
+        history_len,
+        outer_divisor: u64::from(settings.controller.outer_divisor.max(1)),
+    })
+}
+
+fn arm_joints(settings: &Settings, robot: &Robot) -> Result<Vec<usize>, BuildError> {
+    let names = &settings.vehicle.arm_joints;
+    if names.len() > 2 {
+        let reason =
+            format!("{} joints given, at most two have rows; leave the others out", names.len());
+        return Err(BuildError::Unfit { key: "vehicle.arm_joints", reason });
+    }
+    names
+        .iter()
+        .map(|name| {
+            robot.joint(name).ok_or_else(|| BuildError::Unfit {
+                key: "vehicle.arm_joints",
+                reason: format!(
+                    "the URDF has no joint {name:?}; it has {}",
+                    robot.joints.iter().map(|j| j.name.as_str()).collect::<Vec<_>>().join(", ")
+                ),
+            })
+        })
+        .collect()
+}
+
+fn arm(settings: &Settings, robot: &Robot, joints: &[usize]) -> Result<Arm, BuildError> {
+    let tool = if settings.vehicle.tool_link.is_empty() {
+        robot.root
+    } else {
+        robot.link(&settings.vehicle.tool_link).ok_or_else(|| BuildError::Unfit {
+            key: "vehicle.tool_link",
+            reason: format!(
+                "the URDF has no link {:?}; it has {}",
+                settings.vehicle.tool_link,
+                robot.links.iter().map(|l| l.name.as_str()).collect::<Vec<_>>().join(", ")
+            ),
+        })?
+    };
+    Ok(Arm::new(robot, joints, tool))
+}
+
+fn start(settings: &Settings, arm: &Arm) -> Result<Start, BuildError> {
+    let steps = 1000.0 / settings.controller.inner_hz;
+    if steps.fract() != 0.0 || steps < 1.0 {
+        let reason =
+            format!("{} Hz does not divide the plant's 1000 Hz", settings.controller.inner_hz);
+        return Err(BuildError::Unfit { key: "controller.inner_hz", reason });
+    }
+    let position = Vector3::from(settings.task.start_position_m);
+    let joints = match settings.task.kind {
+        TaskKind::PickPlace | TaskKind::Path | TaskKind::Excitation => {
+            joints(settings, settings.task.transit_joints_rad)
+        }
+        TaskKind::Hover => joints(settings, settings.task.grasp_joints_rad),
+    };
+    let grasped = (settings.task.start == StartKind::Grasped)
+        .then(|| position + arm.tool_in_body(&joints).translation.vector);
+    Ok(Start { position, joints, grasped, inner_steps: steps as u64 })
+}
+
+/// What is known of the predictor before it predicts; only weights know more than the default.
+pub(super) fn predictor_info(scenario: &Scenario) -> Result<PredictorInfo, BuildError> {
+    match scenario.settings.predictor.kind {
+        PredictorKind::Fdt | PredictorKind::Trained => {
+            Ok(trained::predictor(scenario, &tuning(&scenario.settings)?)?.info())
+        }
+        _ => Ok(PredictorInfo::default()),
+    }
+}
+
+fn predictor(
+    scenario: &Scenario,
+    tuning: &Tuning,
+    gravity: &dyn Fn() -> GravityModel,
+) -> Result<Box<dyn Predictor>, BuildError> {
+    let settings = &scenario.settings;
+    Ok(match settings.predictor.kind {
+        PredictorKind::Fdt | PredictorKind::Trained => trained::predictor(scenario, tuning)?,
+        PredictorKind::None => Box::new(NoPrediction),
+        PredictorKind::Gravity => Box::new(Gravity::new(gravity())),
+        PredictorKind::Persistence => Box::new(Persistence),
+        PredictorKind::Bias => Box::new(Bias::new(gravity())),
+        PredictorKind::RandomFeatures => Box::new(RandomFeatures::new(
+            gravity(),
+            settings.predictor.features,
+            settings.predictor.seed,
+        )),
+    })
+}
+
+fn controller(settings: &Settings) -> Box<dyn Controller> {
+    let law: Box<dyn Controller> = match settings.controller.kind {
+        ControllerKind::Adaptive => Box::new(Adaptive::default()),
+        ControllerKind::Pid => Box::new(Pid::default()),
+        ControllerKind::L1 => Box::new(L1::new(L1Settings {
+            pole_per_s: settings.controller.l1.pole_per_s,
+            cutoff_rad_s: settings.controller.l1.cutoff_rad_s,
+        })),
+    };
+    let m = &settings.controller.multisine;
+    if m.tones == 0 {
+        return law;
+    }
+    let multisine = Multisine::new(m.tones, m.force_hz, m.moment_hz, m.rms, settings.seed);
+    Box::new(Excited::new(law, multisine))
+}
+
+/// The values a preset stands for; scenario overrides not applied.
+pub(super) fn preset_tuning(_settings: &Settings, preset: Preset) -> Tuning {
+    let mut adapter = lra::Settings::default();
+    match preset {
+        Preset::Literal => adapter.trace_cap_per_feature = f64::MAX,
+        Preset::Paper => {}
+        Preset::Tuned => adapter.reset_threshold = TUNED_RESET_THRESHOLD,
+    }
+    Tuning { gains: Gains::preset(preset), adapter }
+}
+
+/// The values in force at the start: the preset, then what the scenario overrides.
+pub(super) fn tuning(settings: &Settings) -> Result<Tuning, TuningError> {
+    let gains = &settings.gains;
+    let mut tuning = preset_tuning(settings, gains.preset);
+    if let Some(law) = gains.inner_law {
+        tuning.gains.inner_law = law;
+    }
+    for (stem, values) in [("slope", gains.slope), ("damping", gains.damping)] {
+        for (row, value) in twin_core::notation::ROWS.iter().zip(values.iter().flatten()) {
+            tuning.set(&format!("{stem}.{row}"), *value)?;
+        }
+    }
+    for (name, value) in &gains.scalars {
+        tuning.set(name, *value)?;
+    }
+    Ok(tuning)
+}
+
+fn rows(settings: &Settings, robot: &Robot, arm_joints: &[usize]) -> Result<Rows, BuildError> {
+    let rotor = &settings.vehicle.rotor;
+    let rotors: Vec<Rotor> = settings
+        .vehicle
+        .rotors
+        .iter()
+        .map(|place| Rotor {
+            position_in_body: Vector3::from(place.position_m),
+            torque_per_thrust_m: -place.spin * rotor.torque_ratio_m,
+        })
+        .collect();
+    if rotor.min_thrust_n >= rotor.max_thrust_n {
+        let reason = format!("{} N is not below vehicle.rotor.max_thrust_n", rotor.min_thrust_n);
+        return Err(BuildError::Unfit { key: "vehicle.rotor.min_thrust_n", reason });
+    }
+    let limit = |row: usize| arm_joints.get(row).map_or(0.0, |joint| robot.joints[*joint].effort);
+    Ok(Rows::new(
+        Allocation::new(&rotors, rotor.min_thrust_n, rotor.max_thrust_n),
+        Vector3::from(settings.controller.attitude_inertia_kg_m2),
+        Vector2::new(limit(0), limit(1)),
+        1.0 / settings.controller.inner_hz,
+    ))
+}
+
+fn first_setpoint(gains: &Gains, start: &Start, weight_n: f64) -> Setpoint {
+    Setpoint {
+        force_in_world_n: Vector3::new(0.0, 0.0, weight_n),
+        yaw_des: [0.0; 3],
+        joint_des: start.joints,
+        joint_des_dot: Vector2::zeros(),
+        joint_des_ddot: Vector2::zeros(),
+        r_hat: Coords::zeros(),
+        sliding_norm: 1.0,
+        robust_gain: 0.0,
+        rows: gains.rows(),
+        gripper: if start.grasped.is_some() { GripperCommand::Close } else { GripperCommand::Open },
+    }
+}
+
+/// Joint angles of the arm, rad; rows the vehicle does not have are zero.
+fn joints(settings: &Settings, angles_rad: [f64; 2]) -> Vector2<f64> {
+    Vector2::from_fn(
+        |row, _| if row < settings.vehicle.arm_joints.len() { angles_rad[row] } else { 0.0 },
+    )
+}
+
+fn curve(path: &PathSettings) -> Curve {
+    match path.shape {
+        PathShape::S => Curve::S {
+            from: path.origin_m,
+            length_m: path.length_m,
+            sway_m: path.sway_m,
+            rise_m: path.rise_m,
+            bob_m: path.bob_m,
+        },
+        PathShape::FigureEight => Curve::FigureEight {
+            centre: path.origin_m,
+            a_m: path.half_length_m,
+            b_m: path.half_width_m,
+            laps: path.laps,
+        },
+    }
+}
+
+fn region(settings: &Settings) -> Region {
+    let e: &ExcitationSettings = &settings.task.excitation;
+    Region {
+        position_m: [e.low_m.into(), e.high_m.into()],
+        joints_rad: [joints(settings, e.joints_low_rad), joints(settings, e.joints_high_rad)],
+        yaw_rad: e.yaw_rad,
+        mean_speed_m_s: e.mean_speed_m_s,
+        acceleration_m_s2: e.acceleration_m_s2,
+    }
+}
+
+fn task(settings: &Settings, arm: Arm) -> Box<dyn Task> {
+    let task = &settings.task;
+    let position = Vector3::from(task.start_position_m);
+    let transit_joints = joints(settings, task.transit_joints_rad);
+    let grasp_joints = joints(settings, task.grasp_joints_rad);
+    let gripper = match task.start {
+        StartKind::Grasped => GripperCommand::Close,
+        StartKind::Hover => GripperCommand::Open,
+    };
+    match task.kind {
+        TaskKind::Hover => Box::new(Hover::new(position, grasp_joints, task.duration_s, gripper)),
+        TaskKind::Excitation => Box::new(Excitation::new(
+            (position, transit_joints),
+            region(settings),
+            task.duration_s,
+            gripper,
+            settings.seed,
+        )),
+        TaskKind::Path => Box::new(FollowPath::new(
+            position,
+            curve(&task.path),
+            task.speed_m_s,
+            transit_joints,
+            gripper,
+        )),
+        TaskKind::PickPlace => {
+            let mission = Mission {
+                start: position,
+                path: curve(&task.path),
+                speed_m_s: task.speed_m_s,
+                place: Vector3::from(task.place_position_m),
+                cube_size_m: settings.payload.size_m,
+                least_payload_kg: LEAST_PAYLOAD_KG,
+                opening_m: OPENING_M,
+                grasp_joints,
+                transit_joints,
+                retry_limit: task.retry_limit,
+            };
+            Box::new(PickPlace::new(mission, Arc::new(arm)))
+        }
+    }
+}
+
+/// Lightest payload a lift is checked against, kg.
+const LEAST_PAYLOAD_KG: f64 = 0.1;
+
+/// Distance between the open pads, m.
+const OPENING_M: f64 = 0.110;

@@ -1,0 +1,225 @@
+//! What a scenario demands of its flight tick by tick: signals within limits over a window, events that happen or do not.
+//!
+//! In: the `[[checks]]` and `[[expect.events]]` of a scenario, then every [`Tick`]. Out: what does not hold, each with the
+//! second from which it could no longer hold. State: the samples of each window and the events so far.
+
+mod signals;
+mod statistic;
+mod events;
+
+use std::fmt::Write;
+
+use serde::{Deserialize, Serialize};
+
+pub use events::EventCheck;
+pub(super) use events::validate as validate_events;
+pub use signals::names as signal_names;
+pub use statistic::Statistic;
+
+use events::Events;
+use twin_core::tick::Tick;
+
+/// Limits of a statistic of one signal over the ticks of a window.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Check {
+    /// Which signal; [`signal_names`] lists them.
+    pub signal: String,
+    /// Which number of its samples is limited.
+    #[serde(default)]
+    pub statistic: Statistic,
+    /// Which quantile, 0 to 1; needed by that statistic.
+    pub quantile: Option<f64>,
+    /// Only ticks in this phase of the task; all if absent.
+    pub phase: Option<String>,
+    /// Only ticks from this time on, s.
+    pub from_s: Option<f64>,
+    /// Only ticks up to this time, s.
+    pub to_s: Option<f64>,
+    /// Largest allowed value.
+    pub max: Option<f64>,
+    /// Smallest allowed value.
+    pub min: Option<f64>,
+}
+
+/// Something a scenario demands and its flight did not keep.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Broken {
+    /// Metric, signal, `verdict`, the kind of an event or `state_hash`.
+    pub name: String,
+    /// The same with statistic and window, for people.
+    pub what: String,
+    /// The number found, if it is one.
+    pub value: Option<f64>,
+    /// What was found, for people.
+    pub found: String,
+    /// What is allowed.
+    pub allowed: String,
+    /// The second of the flight from which it could no longer hold.
+    pub at_s: f64,
+}
+
+impl std::fmt::Display for Broken {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { what, found, allowed, at_s, .. } = self;
+        write!(f, "{what}: found {found}, allowed {allowed}, broken at {at_s:.2} s")
+    }
+}
+
+/// What is wrong with a check as written.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{reason}")]
+pub struct CheckError {
+    /// Dotted key.
+    pub key: String,
+    /// What was found and what is allowed.
+    pub reason: String,
+}
+
+/// Refuses checks that could not be judged or could not fail.
+///
+/// # Errors
+/// [`CheckError`] for an unknown signal, a quantile that is missing or unused, no limit, limits or a window the wrong way round.
+pub(super) fn validate(checks: &[Check]) -> Result<(), CheckError> {
+    for (index, check) in checks.iter().enumerate() {
+        let refuse = |key: &str, reason: String| {
+            Err(CheckError { key: format!("checks.{index}.{key}"), reason })
+        };
+        if signals::find(&check.signal).is_none() {
+            let allowed = signal_names().collect::<Vec<_>>().join(", ");
+            return refuse(
+                "signal",
+                format!("found {:?}, expected one of {allowed}", check.signal),
+            );
+        }
+        let wants = check.statistic == Statistic::Quantile;
+        if wants != check.quantile.is_some() {
+            let reason = "belongs to statistic = \"quantile\" and to no other, 0.0..=1.0";
+            return refuse("quantile", reason.to_owned());
+        }
+        if check.max.is_none() && check.min.is_none() {
+            return refuse("max", "neither max nor min is given, so the check cannot fail".into());
+        }
+        if let (Some(min), Some(max)) = (check.min, check.max)
+            && min > max
+        {
+            return refuse("min", format!("found {min}, which is above max = {max}"));
+        }
+        if check.from_s.unwrap_or(0.0) > check.to_s.unwrap_or(f64::INFINITY) {
+            return refuse("to_s", "the window ends before it begins".into());
+        }
+    }
+    Ok(())
+}
+
+/// Watches the checks of one flight.
+pub struct Checks {
+    windows: Vec<Window>,
+    events: Events,
+    last_s: f64,
+}
+
+struct Window {
+    check: Check,
+    read: signals::Read,
+    /// `(t_s, value)`.
+    samples: Vec<(f64, f64)>,
+}
+
+impl Checks {
+    /// These checks and events; a check of no known signal is left out.
+    pub fn new(checks: &[Check], events: &[EventCheck]) -> Self {
+        let window = |check: &Check| {
+            let read = signals::find(&check.signal)?;
+            Some(Window { check: check.clone(), read, samples: Vec::new() })
+        };
+        Self {
+            windows: checks.iter().filter_map(window).collect(),
+            events: Events::new(events),
+            last_s: 0.0,
+        }
+    }
+
+    /// Takes a tick into account.
+    pub fn add(&mut self, tick: &Tick) {
+        let t_s = tick.measurement.t_s;
+        self.last_s = t_s;
+        self.events.add(tick);
+        for window in &mut self.windows {
+            let check = &window.check;
+            let inside = check.from_s.is_none_or(|from_s| t_s >= from_s)
+                && check.to_s.is_none_or(|to_s| t_s <= to_s)
+                && check.phase.as_ref().is_none_or(|phase| *phase == tick.phase);
+            if inside && let Some(value) = (window.read)(tick) {
+                window.samples.push((t_s, value));
+            }
+        }
+    }
+
+    /// What does not hold, in the order of the scenario: checks, then events.
+    pub fn finish(self) -> Vec<Broken> {
+        let last_s = self.last_s;
+        let mut broken: Vec<Broken> =
+            self.windows.iter().filter_map(|window| window.broken(last_s)).collect();
+        broken.extend(self.events.finish(last_s));
+        broken
+    }
+}
+
+/// The value of a signal at a tick; nothing if it has none, or if no signal is called so.
+pub(super) fn signal(name: &str, tick: &Tick) -> Option<f64> {
+    signals::find(name).and_then(|read| read(tick))
+}
+
+impl Window {
+    fn broken(&self, last_s: f64) -> Option<Broken> {
+        let Check { statistic, quantile, min, max, .. } = &self.check;
+        let quantile = quantile.unwrap_or(1.0);
+        let found = statistic.value(&self.samples, quantile);
+        let breach = match found {
+            // A window without a tick proves nothing, so it counts as broken.
+            None => Some(last_s),
+            Some(_) => statistic.breach(&self.samples, quantile, *min, *max),
+        };
+        breach.map(|at_s| Broken {
+            name: self.check.signal.clone(),
+            what: self.check.words(),
+            value: found,
+            found: found.map_or_else(|| "no tick in the window".to_owned(), |v| format!("{v:.4}")),
+            allowed: range(*min, *max),
+            at_s,
+        })
+    }
+}
+
+impl Check {
+    fn words(&self) -> String {
+        let mut words = match self.quantile {
+            Some(q) => format!("quantile {q} of {}", self.signal),
+            None => format!("{} of {}", self.statistic.word(), self.signal),
+        };
+        if let Some(phase) = &self.phase {
+            let _ = write!(words, " in phase {phase}");
+        }
+        match (self.from_s, self.to_s) {
+            (None, None) => {}
+            (from_s, None) => {
+                let _ = write!(words, " from {} s on", from_s.unwrap_or(0.0));
+            }
+            (from_s, Some(to_s)) => {
+                let _ = write!(words, " over {}..{to_s} s", from_s.unwrap_or(0.0));
+            }
+        }
+        words
+    }
+}
+
+/// `min..=max` in words.
+pub(super) fn range(min: Option<f64>, max: Option<f64>) -> String {
+    match (min, max) {
+        (Some(min), Some(max)) => format!("{min} to {max}"),
+        (Some(min), None) => format!("at least {min}"),
+        (None, Some(max)) => format!("at most {max}"),
+        (None, None) => "anything".to_owned(),
+    }
+}

@@ -1,0 +1,66 @@
+//! Numbers of a tick that a check may limit. Where the truth is known it counts, not the estimate.
+
+use twin_core::elementary::{acos, cos};
+use twin_core::notation::{Coords, tracking_error};
+use twin_core::tick::Tick;
+
+/// Reads a signal; `None` where the tick does not have it.
+pub(super) type Read = fn(&Tick) -> Option<f64>;
+
+const SIGNALS: &[(&str, Read)] = &[
+    ("position_error_m", |tick| Some(error(tick).fixed_rows::<3>(0).norm())),
+    ("error_x_m", |tick| Some(error(tick)[0])),
+    ("error_y_m", |tick| Some(error(tick)[1])),
+    ("error_z_m", |tick| Some(error(tick)[2])),
+    ("error_yaw_rad", |tick| Some(error(tick)[5].abs())),
+    ("error_joints_rad", |tick| Some(error(tick).fixed_rows::<2>(6).norm())),
+    ("estimate_error_m", |tick| {
+        let truth = tick.truth.as_ref()?;
+        Some((tick.measurement.chi - truth.chi).fixed_rows::<3>(0).norm())
+    }),
+    ("estimate_error_rad", |tick| {
+        let truth = tick.truth.as_ref()?;
+        let difference = tracking_error(&tick.measurement.chi, &truth.chi);
+        Some(difference.fixed_rows::<3>(3).norm())
+    }),
+    ("height_m", |tick| Some(chi(tick)[2])),
+    ("speed_m_s", |tick| {
+        let rates = tick.truth.as_ref().map_or(&tick.measurement.chi_dot, |truth| &truth.chi_dot);
+        Some(rates.fixed_rows::<3>(0).norm())
+    }),
+    ("tilt_rad", |tick| {
+        let chi = chi(tick);
+        Some(acos((cos(chi[3]) * cos(chi[4])).clamp(-1.0, 1.0)))
+    }),
+    ("collision_force_n", |tick| tick.truth.as_ref().map(|truth| truth.collision_force_n)),
+    ("grip_force_n", |tick| tick.truth.as_ref().map(|truth| truth.grip_force_n)),
+    ("payload_height_m", |tick| tick.truth.as_ref().map(|truth| truth.payload_position.z)),
+    ("payload_speed_m_s", |tick| tick.truth.as_ref().map(|truth| truth.payload_speed_m_s)),
+    ("wind_m_s", |tick| tick.truth.as_ref().map(|truth| truth.wind_in_world.norm())),
+    ("residual_z_n", |tick| Some(tick.residual[2])),
+    ("estimate_z_n", |tick| Some(tick.setpoint.r_hat[2])),
+    ("innovation_mean", |tick| Some(tick.adapted.innovation_mean_norm)),
+    ("weight_norm", |tick| Some(tick.adapted.weight_norm)),
+    ("covariance_trace", |tick| Some(tick.adapted.covariance_trace)),
+    ("rotor_command_n", |tick| tick.actuators.rotor_thrust_n.iter().copied().reduce(f64::max)),
+    ("saturated", |tick| Some(f64::from(u8::from(tick.measurement.saturated)))),
+    ("fault", |tick| Some(f64::from(u8::from(tick.fault.is_some())))),
+];
+
+/// Names of all signals; the unit is the end of the name.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    SIGNALS.iter().map(|(name, _)| *name)
+}
+
+pub(super) fn find(name: &str) -> Option<Read> {
+    SIGNALS.iter().find(|(known, _)| *known == name).map(|(_, read)| *read)
+}
+
+fn chi(tick: &Tick) -> &Coords {
+    tick.truth.as_ref().map_or(&tick.measurement.chi, |truth| &truth.chi)
+}
+
+/// Tracking error of the true coordinates against the reference, m and rad.
+fn error(tick: &Tick) -> Coords {
+    tracking_error(chi(tick), &tick.reference.chi_des)
+}

@@ -1,0 +1,51 @@
+//! What a scenario demands of its flight, as written: whether it can be judged and can fail, and what is watched for.
+
+use super::checks::{self, CheckError, EventCheck};
+use super::settings::{ScheduledFailure, Settings};
+use super::{golden, sweep};
+use twin_core::source::Failure;
+use twin_core::tick::EventKind;
+
+/// Refuses demands that could not be judged or could not fail.
+///
+/// # Errors
+/// [`CheckError`] with the key of the first one.
+pub(super) fn validate(settings: &Settings) -> Result<(), CheckError> {
+    checks::validate(&settings.checks)?;
+    if let Some(sweep) = &settings.sweep {
+        sweep::validate(sweep, settings)?;
+    }
+    if let Some(golden) = &settings.golden {
+        golden::validate(golden)?;
+    }
+    faults(&settings.faults)?;
+    checks::validate_events(&settings.expect.events)
+}
+
+fn faults(faults: &[ScheduledFailure]) -> Result<(), CheckError> {
+    for (index, fault) in faults.iter().enumerate() {
+        let Some(when) = &fault.when else { continue };
+        let refuse = |key: &str, reason: &str| {
+            Err(CheckError { key: format!("faults.{index}.{key}"), reason: reason.to_owned() })
+        };
+        if when.phase.is_none() && when.event.is_none() {
+            return refuse("when", "expected a phase or an event to wait for");
+        }
+        if when.text.is_some() && when.event.is_none() {
+            return refuse("when.text", "found without `event`; name the kind of event too");
+        }
+        if fault.failure == Failure::PredictorNan {
+            return refuse("when", "predictor_nan begins at a time only; give at_s without `when`");
+        }
+    }
+    Ok(())
+}
+
+/// The events that the scenario demands, and that each of its faults came to pass: one that never began proves nothing.
+pub(super) fn events(settings: &Settings) -> Vec<EventCheck> {
+    let begins = settings.faults.iter().map(|fault| {
+        let text = Some(format!("failure: {}", fault.failure.words()));
+        EventCheck { text, ..EventCheck::of(EventKind::Disturbance) }
+    });
+    settings.expect.events.iter().cloned().chain(begins).collect()
+}

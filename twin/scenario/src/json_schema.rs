@@ -1,0 +1,165 @@
+//! The format of a scenario as JSON Schema, for editors; derived from the text of the defaults, which is the schema that files
+//! are read by, the ranges of `limits` and the words that each key's type knows.
+
+use serde::Deserialize;
+use serde_json::{Map, Value, json};
+
+use super::document::{Entry, Node, Place};
+use super::limits;
+use super::merge::Schema;
+use super::settings::Settings;
+use twin_core::notation::ROWS;
+
+/// The schema as text.
+pub fn json_schema() -> String {
+    let Ok(mut defaults) = Entry::parse(super::DEFAULTS, Place::Default) else {
+        return String::new();
+    };
+    let root = Schema::new(&mut defaults).into_root();
+    let writer = Writer { all: root.to_toml(), lines: super::DEFAULTS.lines().collect() };
+    let mut schema = writer.of(&root, &mut Vec::new());
+    schema["$schema"] = json!("http://json-schema.org/draft-07/schema#");
+    schema["title"] = json!("A scenario of twin");
+    let text = serde_json::to_string_pretty(&schema).unwrap_or_default();
+    format!("{text}\n")
+}
+
+struct Writer {
+    /// A tree with every key, which is a scenario by itself.
+    all: toml::Value,
+    lines: Vec<&'static str>,
+}
+
+impl Writer {
+    fn of(&self, entry: &Entry, path: &mut Vec<String>) -> Value {
+        let mut schema = match &entry.node {
+            Node::Table(table) => self.table(table, path),
+            Node::List(list) => {
+                let first = list.first().map(|first| {
+                    path.push("0".to_owned());
+                    let items = self.of(first, path);
+                    path.pop();
+                    items
+                });
+                // A list that is empty by default and by example holds texts.
+                json!({ "type": "array", "items": first.unwrap_or(json!({ "type": "string" })) })
+            }
+            Node::Whole(_) => with_range("integer", path),
+            Node::Number(_) => with_range("number", path),
+            Node::Text(_) => match self.words(path) {
+                words if words.is_empty() => json!({ "type": "string" }),
+                words => json!({ "enum": words }),
+            },
+            Node::Switch(_) => json!({ "type": "boolean" }),
+            Node::Date(_) => json!({}),
+        };
+        if let (Some(text), Value::Object(schema)) = (self.comment(entry), &mut schema) {
+            schema.insert("description".to_owned(), json!(text));
+        }
+        schema
+    }
+
+    fn table(
+        &self,
+        table: &std::collections::BTreeMap<String, Entry>,
+        path: &mut Vec<String>,
+    ) -> Value {
+        let mut properties = Map::new();
+        for (key, entry) in table {
+            path.push(key.clone());
+            properties.insert(key.clone(), self.of(entry, path));
+            path.pop();
+        }
+        match properties.remove("*") {
+            Some(any) => json!({ "type": "object", "additionalProperties": any }),
+            None => {
+                json!({ "type": "object", "properties": properties, "additionalProperties": false })
+            }
+        }
+    }
+
+    /// The words a text may be, as its type tells them when it is given another; none if any will do.
+    fn words(&self, path: &[String]) -> Vec<String> {
+        let mut tree = self.all.clone();
+        let place = path.iter().try_fold(&mut tree, |value, segment| match value {
+            toml::Value::Table(table) => table.get_mut(segment),
+            toml::Value::Array(list) => list.get_mut(segment.parse::<usize>().ok()?),
+            _ => None,
+        });
+        let Some(place) = place else { return Vec::new() };
+        *place = toml::Value::String("?".to_owned());
+        let Err(error) = Settings::deserialize(tree) else { return Vec::new() };
+        let said = error.message().to_owned();
+        let Some((_, expected)) = said.split_once("unknown variant `?`, expected") else {
+            return Vec::new();
+        };
+        expected.split('`').skip(1).step_by(2).map(str::to_owned).collect()
+    }
+
+    /// The comment behind a key in the defaults.
+    fn comment(&self, entry: &Entry) -> Option<String> {
+        let Place::Default(line) = entry.place else { return None };
+        let (_, comment) = self.lines.get(line.checked_sub(1)? as usize)?.rsplit_once(" # ")?;
+        Some(comment.trim().to_owned())
+    }
+}
+
+fn with_range(kind: &str, path: &[String]) -> Value {
+    // The gains of the eight rows have ranges of their own; an editor is told of their union.
+    let indexed = path.last().is_some_and(|last| last == "0") && path[0] == "gains";
+    let places: Vec<Vec<String>> = if indexed {
+        let stem = &path[..path.len() - 1];
+        (0..ROWS.len()).map(|index| [stem, &[index.to_string()]].concat()).collect()
+    } else {
+        vec![path.to_vec()]
+    };
+    let ranges: Vec<(f64, f64)> = places
+        .iter()
+        .filter_map(|place| limits::range(place).map(|(min, max, _)| (min, max)))
+        .collect();
+    let min = ranges.iter().map(|(min, _)| *min).reduce(f64::min);
+    let max = ranges.iter().map(|(_, max)| *max).reduce(f64::max);
+    match (min, max) {
+        (Some(min), Some(max)) => json!({ "type": kind, "minimum": min, "maximum": max }),
+        _ => json!({ "type": kind }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_schema_knows_words_ranges_comments_and_free_names() {
+        let schema: Value = serde_json::from_str(&json_schema()).unwrap();
+        let at = |pointer: &str| schema.pointer(pointer).cloned().unwrap_or_default();
+        assert_eq!(
+            at("/properties/task/properties/kind/enum"),
+            json!(["pick_place", "hover", "path", "excitation"])
+        );
+        assert_eq!(at("/properties/payload/properties/mass_kg/maximum"), json!(1.0));
+        assert_eq!(
+            at("/properties/payload/properties/mass_kg/description"),
+            json!("0: no payload")
+        );
+        let faults = "/properties/faults/items/properties";
+        assert_eq!(at(&format!("{faults}/kind/enum")).as_array().unwrap().len(), 9);
+        assert_eq!(at(&format!("{faults}/when/properties/phase/type")), json!("string"));
+        assert_eq!(at("/properties/bounds/additionalProperties/type"), json!("object"));
+        assert_eq!(at("/additionalProperties"), json!(false));
+    }
+
+    #[test]
+    fn the_published_schema_is_the_one_of_this_program() {
+        let path =
+            std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/schema.json");
+        if std::env::var_os("TWIN_UPDATE").is_some() {
+            std::fs::write(&path, json_schema()).unwrap();
+        }
+        let published = std::fs::read_to_string(&path).unwrap_or_default();
+        assert!(
+            published == json_schema(),
+            "scenarios/schema.json is old: TWIN_UPDATE=1 cargo test --release --lib json_schema"
+        );
+    }
+}

@@ -1,0 +1,264 @@
+//! One TOML file, one flight, one verdict.
+
+pub mod checks;
+pub mod golden;
+pub mod markup;
+pub mod plot;
+pub mod sweep;
+mod ending;
+pub mod settings;
+mod limits;
+mod document;
+mod merge;
+pub mod file;
+mod demands;
+pub mod verdict;
+pub mod metrics;
+mod failures;
+mod trained;
+mod assemble;
+pub mod scene;
+pub mod run;
+mod parallel;
+pub mod collect;
+pub mod cache;
+pub mod table;
+pub mod acceptance;
+mod json_schema;
+pub mod suite;
+
+use std::path::{Path, PathBuf};
+
+pub use checks::Broken;
+pub use ending::Verdict;
+pub use file::ScenarioError;
+pub use json_schema::json_schema;
+pub use parallel::side_by_side;
+pub use run::{Assessor, Report, fly};
+pub use scene::ActuatorLimits;
+pub use settings::Settings;
+pub use verdict::Judge;
+
+pub use twin_core::control::Preset;
+use twin_core::flight::{Flight, Parts};
+use twin_core::residual::PredictorInfo;
+use twin_core::residual::weights::WeightsError;
+use twin_core::tuning::Tuning;
+use twin_record::RecordingInfo;
+use twin_record::scene::Scene;
+
+/// Every key of a scenario with its default; also the schema.
+pub const DEFAULTS: &str = include_str!("../../../scenarios/defaults.toml");
+
+/// A scenario ready to fly.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scenario {
+    /// File name without its ending.
+    pub name: String,
+    /// Where the file lies; model files are relative to its folder.
+    pub file: PathBuf,
+    /// What it says.
+    pub settings: Settings,
+}
+
+/// Where the files of a scenario's vehicle lie, and what its arm's joints are called.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct VehicleFiles {
+    /// URDF.
+    pub urdf: PathBuf,
+    /// Name and folder of the packages that its meshes are in.
+    pub packages: Vec<(String, PathBuf)>,
+    /// Names of the arm's joints.
+    pub joints: Vec<String>,
+}
+
+impl Scenario {
+    /// The scenario in `file` over the defaults, under `overrides` (`key=value` each).
+    ///
+    /// # Errors
+    /// [`ScenarioError`] naming file, line, key, what was found and what is allowed.
+    pub fn load(file: &Path, overrides: &[String]) -> Result<Self, ScenarioError> {
+        let settings = file::read::<Settings>(file, DEFAULTS, overrides)?;
+        let scenario = Self {
+            name: file
+                .file_stem()
+                .map_or_else(|| "scenario".into(), |stem| stem.to_string_lossy().into_owned()),
+            file: file.to_owned(),
+            settings,
+        };
+        scenario.tuning().map_err(|error| ScenarioError::Value {
+            place: file.display().to_string(),
+            key: "gains".into(),
+            reason: error.to_string(),
+        })?;
+        demands::validate(&scenario.settings).map_err(|error| ScenarioError::Value {
+            place: file.display().to_string(),
+            key: error.key,
+            reason: error.reason,
+        })?;
+        Ok(scenario)
+    }
+
+    /// What stands for a scenario while the recording `file` is mirrored: the defaults, of which nothing flies.
+    ///
+    /// # Errors
+    /// [`BuildError`] if the defaults cannot be read.
+    pub fn of_recording(name: &str, file: &Path) -> Result<Self, BuildError> {
+        let mut settings =
+            file::read_text::<Settings>("", file, DEFAULTS, &[]).map_err(|error| {
+                BuildError::Unreadable { file: "defaults".into(), reason: error.to_string() }
+            })?;
+        // What the vehicle carries, the recording does not say.
+        settings.payload.mass_kg = 0.0;
+        Ok(Self { name: name.to_owned(), file: file.to_owned(), settings })
+    }
+
+    /// The flight at its first tick.
+    ///
+    /// # Errors
+    /// [`BuildError`] if a model file is not usable or does not fit the scenario.
+    pub fn build(&self) -> Result<Flight, BuildError> {
+        self.parts().map(Flight::new)
+    }
+
+    /// The parts of the flight, for whoever flies them with another source, predictor or task.
+    ///
+    /// # Errors
+    /// As [`Scenario::build`].
+    pub fn parts(&self) -> Result<Parts, BuildError> {
+        assemble::parts(self)
+    }
+
+    /// The values a preset stands for in this scenario.
+    pub fn preset_tuning(&self, preset: Preset) -> Tuning {
+        assemble::preset_tuning(&self.settings, preset)
+    }
+
+    /// The values in force at the start.
+    ///
+    /// # Errors
+    /// [`twin_core::tuning::TuningError`] for a value out of range.
+    pub fn tuning(&self) -> Result<Tuning, twin_core::tuning::TuningError> {
+        assemble::tuning(&self.settings)
+    }
+
+    /// What the viewers draw.
+    ///
+    /// # Errors
+    /// [`BuildError`] if a model file is not usable.
+    pub fn scene(&self) -> Result<Scene, BuildError> {
+        scene::scene(self)
+    }
+
+    /// What the vehicle's actuators can do.
+    ///
+    /// # Errors
+    /// [`BuildError`] if a model file is not usable.
+    pub fn actuator_limits(&self) -> Result<ActuatorLimits, BuildError> {
+        scene::actuator_limits(self)
+    }
+
+    /// Text of the vehicle's URDF.
+    ///
+    /// # Errors
+    /// [`BuildError::Unreadable`] if it cannot be read.
+    pub fn urdf_text(&self) -> Result<String, BuildError> {
+        let path = self.folder().join(&self.settings.vehicle.urdf);
+        std::fs::read_to_string(&path).map_err(|error| BuildError::Unreadable {
+            file: path.display().to_string(),
+            reason: error.to_string(),
+        })
+    }
+
+    /// What is known of the predictor before it predicts.
+    ///
+    /// # Errors
+    /// [`BuildError`] if its weights are not usable.
+    pub fn predictor_info(&self) -> Result<PredictorInfo, BuildError> {
+        assemble::predictor_info(self)
+    }
+
+    /// Where the files of the vehicle lie.
+    ///
+    /// # Errors
+    /// [`BuildError::Unfit`] if a package has no name or no folder.
+    pub fn vehicle_files(&self) -> Result<VehicleFiles, BuildError> {
+        Ok(VehicleFiles {
+            urdf: self.folder().join(&self.settings.vehicle.urdf),
+            packages: assemble::packages(self)?,
+            joints: self.settings.vehicle.arm_joints.clone(),
+        })
+    }
+
+    /// What a recording says about a flight of this scenario that starts with `tuning`.
+    ///
+    /// # Errors
+    /// [`BuildError`] if a model file is not usable.
+    pub fn recording_info(&self, tuning: &Tuning) -> Result<RecordingInfo, BuildError> {
+        let unwritable = |what: &'static str| {
+            move |error: &dyn std::fmt::Display| BuildError::Unfit {
+                key: what,
+                reason: format!("cannot be written into a recording: {error}"),
+            }
+        };
+        Ok(RecordingInfo {
+            mirrored: false,
+            scenario: self.name.clone(),
+            scenario_toml: toml::to_string(&self.settings)
+                .map_err(|e| unwritable("scenario")(&e))?,
+            seed: self.settings.seed,
+            gains_json: serde_json::to_string(tuning).map_err(|e| unwritable("gains")(&e))?,
+            limits_json: serde_json::to_string(&self.actuator_limits()?)
+                .map_err(|e| unwritable("vehicle")(&e))?,
+            predictor_json: serde_json::to_string(&self.predictor_info()?)
+                .map_err(|e| unwritable("predictor")(&e))?,
+            kernel: self.predictor_info()?.kernel,
+            urdf: self.urdf_text()?,
+            scene: self.scene()?,
+            joint_names: self.settings.vehicle.arm_joints.clone(),
+        })
+    }
+
+    /// Folder of the scenario file.
+    pub(crate) fn folder(&self) -> &Path {
+        self.file.parent().unwrap_or_else(|| Path::new("."))
+    }
+}
+
+/// Why a scenario that reads well cannot be flown.
+#[derive(Debug, thiserror::Error)]
+pub enum BuildError {
+    /// A model file.
+    #[error(transparent)]
+    Model(#[from] twin_plant::model::ModelError),
+    /// The plant.
+    #[error(transparent)]
+    Plant(#[from] twin_plant::PlantError),
+    /// Gains.
+    #[error(transparent)]
+    Tuning(#[from] twin_core::tuning::TuningError),
+    /// Trained weights.
+    #[error("predictor.weights: {file}: {error}")]
+    Weights {
+        /// File.
+        file: String,
+        /// What is wrong with it.
+        error: WeightsError,
+    },
+    /// A file cannot be read.
+    #[error("{file}: {reason}")]
+    Unreadable {
+        /// File.
+        file: String,
+        /// The system's words.
+        reason: String,
+    },
+    /// A value that only makes sense with another.
+    #[error("{key}: {reason}")]
+    Unfit {
+        /// Key.
+        key: &'static str,
+        /// What is wrong and what to do.
+        reason: String,
+    },
+}

@@ -1,0 +1,186 @@
+//! One flight to its end, headless.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::checks::{Broken, Checks, range};
+use super::golden::GoldenCheck;
+use super::metrics::Metrics;
+use super::settings::{Settings, TaskKind};
+use super::{BuildError, Judge, Scenario, Verdict, demands};
+use twin_core::residual::PredictorInfo;
+use twin_core::tick::{Event, Tick};
+
+/// What a flight came to.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Report {
+    /// Scenario.
+    pub scenario: String,
+    /// Seed.
+    pub seed: u64,
+    /// How it ended.
+    pub verdict: Verdict,
+    /// Why, in a sentence.
+    pub reason: String,
+    /// Simulated duration, s.
+    pub flight_s: f64,
+    /// Simulated time per wall-clock time; filled in by whoever holds a clock.
+    pub real_time_factor: Option<f64>,
+    /// Equal for equal flights.
+    pub state_hash: String,
+    /// Arithmetic of the predictor's network: flights are equal only where this is equal too.
+    #[serde(default)]
+    pub kernel: String,
+    /// Metrics by name; NaN, `null` in JSON, if unknown.
+    #[serde(deserialize_with = "numbers")]
+    pub metrics: BTreeMap<String, f64>,
+    /// What the scenario demands and the flight did not keep.
+    pub broken: Vec<Broken>,
+    /// Nothing is broken; or, where the scenario declares what fails, that is broken.
+    pub passed: bool,
+}
+
+/// JSON has no NaN: what is not finite was written as `null`.
+fn numbers<'de, D: serde::Deserializer<'de>>(from: D) -> Result<BTreeMap<String, f64>, D::Error> {
+    let read = BTreeMap::<String, Option<f64>>::deserialize(from)?;
+    Ok(read.into_iter().map(|(name, value)| (name, value.unwrap_or(f64::NAN))).collect())
+}
+
+/// Flies `scenario` to its end; `watch` sees every tick.
+///
+/// # Errors
+/// [`BuildError`] if the flight cannot be put together.
+pub fn fly(scenario: &Scenario, watch: &mut dyn FnMut(&Tick)) -> Result<Report, BuildError> {
+    let mut flight = scenario.build()?;
+    let mut assessor = Assessor::new(scenario);
+    loop {
+        let tick = flight.tick();
+        let end = assessor.add(&tick);
+        watch(&tick);
+        if let Some(end) = end {
+            let kernel = flight.predictor().info().kernel;
+            return Ok(Report { kernel, ..assessor.finish(end, flight.state_hash()) });
+        }
+    }
+}
+
+/// Watches a flight tick by tick and says at its end what it came to.
+pub struct Assessor {
+    scenario: String,
+    settings: Settings,
+    judge: Judge,
+    metrics: Metrics,
+    checks: Checks,
+    golden: Option<GoldenCheck>,
+    flight_s: f64,
+}
+
+impl Assessor {
+    /// For a flight of `scenario`.
+    pub fn new(scenario: &Scenario) -> Self {
+        let settings = scenario.settings.clone();
+        Self {
+            scenario: scenario.name.clone(),
+            judge: Judge::new(&settings),
+            metrics: Metrics::default(),
+            checks: Checks::new(&settings.checks, &demands::events(&settings)),
+            golden: settings
+                .golden
+                .as_ref()
+                .map(|golden| GoldenCheck::new(golden, scenario.folder())),
+            flight_s: 0.0,
+            settings,
+        }
+    }
+
+    /// Takes a tick into account; the verdict with its sentence once the flight is over.
+    pub fn add(&mut self, tick: &Tick) -> Option<(Verdict, String)> {
+        self.metrics.add(tick);
+        self.checks.add(tick);
+        if let Some(golden) = &mut self.golden {
+            golden.add(tick);
+        }
+        self.flight_s = tick.measurement.t_s;
+        self.judge.watch(tick)
+    }
+
+    /// The report of a flight that ended so, with its state hash.
+    pub fn finish(self, (verdict, reason): (Verdict, String), hash: u64) -> Report {
+        let Self { scenario, settings, metrics, checks, golden, flight_s, .. } = self;
+        let places = settings.task.kind == TaskKind::PickPlace;
+        let metrics = metrics.finish(places.then(|| settings.task.place_position_m.into()));
+        let mut broken: Vec<Broken> =
+            unexpected(settings.expect.verdict, verdict, &reason, flight_s).into_iter().collect();
+        broken.extend(checks.finish());
+        broken.extend(golden.and_then(GoldenCheck::finish));
+        broken.extend(broken_bounds(&settings, &metrics, flight_s));
+        // What broke first is more of a cause than what came of it.
+        broken.sort_by(|one, other| one.at_s.total_cmp(&other.at_s));
+        let passed = match &settings.expect.fails {
+            None => broken.is_empty(),
+            Some(name) => broken.iter().any(|broken| broken.name == *name),
+        };
+        Report {
+            scenario,
+            seed: settings.seed,
+            verdict,
+            reason,
+            flight_s,
+            real_time_factor: None,
+            state_hash: format!("{hash:016x}"),
+            kernel: PredictorInfo::default().kernel,
+            metrics,
+            broken,
+            passed,
+        }
+    }
+}
+
+fn unexpected(expected: Verdict, found: Verdict, reason: &str, at_s: f64) -> Option<Broken> {
+    (found != expected).then(|| Broken {
+        name: "verdict".to_owned(),
+        what: "verdict".to_owned(),
+        value: None,
+        found: format!("{found} ({reason})"),
+        allowed: expected.to_string(),
+        at_s,
+    })
+}
+
+/// Metrics are known when the flight is over, so that is when their bounds break.
+fn broken_bounds(
+    settings: &Settings,
+    metrics: &BTreeMap<String, f64>,
+    flight_s: f64,
+) -> Vec<Broken> {
+    let mut all = Vec::new();
+    for (name, bound) in &settings.bounds {
+        let value = metrics.get(name).copied();
+        let kept = value.is_some_and(|value| {
+            bound.min.is_none_or(|min| value >= min) && bound.max.is_none_or(|max| value <= max)
+        });
+        if !kept {
+            let known = || metrics.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
+            all.push(Broken {
+                name: name.clone(),
+                what: format!("bounds.{name}"),
+                value,
+                found: value.map_or_else(
+                    || format!("no such metric of this flight, it has {}", known()),
+                    |value| format!("{value:.4}"),
+                ),
+                allowed: range(bound.min, bound.max),
+                at_s: flight_s,
+            });
+        }
+    }
+    all
+}
+
+/// The events of a tick with their time, one line each.
+pub fn event_lines(tick: &Tick) -> impl Iterator<Item = String> + '_ {
+    tick.events
+        .iter()
+        .map(|Event { kind, text }| format!("{:8.2} s  {kind:?}: {text}", tick.measurement.t_s))
+}

@@ -1,0 +1,116 @@
+//! A sweep as flights, and what its samples come to together.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::case::{Case, Sample};
+use super::result::{CaseResult, Outcome};
+use super::share::wilson_95;
+use crate::Scenario;
+
+/// What a sweep demands; the same in every shard.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SweepPlan {
+    /// What it is called in reports.
+    pub name: String,
+    /// Scenario file.
+    pub file: PathBuf,
+    /// What varies, in the order of a sample's values.
+    pub keys: Vec<String>,
+    /// How many samples there are.
+    pub samples: usize,
+    /// Share of them that must succeed.
+    pub min_success: f64,
+    /// The lower end of the interval must reach it, not only the share.
+    pub confident: bool,
+}
+
+/// What a sweep came to.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SweepReport {
+    /// What was demanded.
+    pub plan: SweepPlan,
+    /// Samples that were flown.
+    pub flown: usize,
+    /// Of these, samples that succeeded.
+    pub succeeded: usize,
+    /// Samples that could not be flown.
+    pub could_not_run: usize,
+    /// Wilson's 95 % interval of the share that succeeds.
+    pub interval_95: (f64, f64),
+    /// Whether enough succeed; unknown until every sample was flown.
+    pub passed: Option<bool>,
+}
+
+/// The flights of the sweep in `file`, if it holds one that can be read; whoever flies a file that cannot says why.
+pub(super) fn expand(
+    name: &str,
+    file: &Path,
+    overrides: &[String],
+) -> Option<(SweepPlan, Vec<Case>)> {
+    let scenario = Scenario::load(file, overrides).ok()?;
+    let sweep = scenario.settings.sweep.as_ref()?;
+    let keys: Vec<String> = sweep.ranges.iter().map(|range| range.key.clone()).collect();
+    let samples = sweep.samples(&scenario.settings);
+    let plan = SweepPlan {
+        name: name.to_owned(),
+        file: file.to_owned(),
+        keys: keys.clone(),
+        samples: samples.len(),
+        min_success: sweep.min_success,
+        confident: sweep.confident,
+    };
+    let digits = samples.len().to_string().len();
+    let case = |(number, values): (usize, Vec<f64>)| {
+        let set = keys.iter().zip(&values).map(|(key, value)| format!("{key}={value}"));
+        Case {
+            index: 0,
+            name: format!("{name} sample {:0digits$}", number + 1),
+            file: file.to_owned(),
+            overrides: overrides.iter().cloned().chain(set).collect(),
+            sample: Some(Sample { sweep: name.to_owned(), values }),
+        }
+    };
+    Some((plan, samples.into_iter().enumerate().map(case).collect()))
+}
+
+impl SweepReport {
+    /// What the samples among `results` come to.
+    pub(super) fn new(plan: &SweepPlan, results: &[CaseResult]) -> Self {
+        let of_it = |result: &&CaseResult| {
+            result.case.sample.as_ref().is_some_and(|sample| sample.sweep == plan.name)
+        };
+        let samples: Vec<&CaseResult> = results.iter().filter(of_it).collect();
+        let count = |wanted: &dyn Fn(&CaseResult) -> bool| {
+            samples.iter().filter(|result| wanted(result)).count()
+        };
+        let flown = count(&|result| matches!(result.outcome, Outcome::Flown(_)));
+        let could_not_run = count(&|result| matches!(result.outcome, Outcome::Unusable(_)));
+        let succeeded = count(&CaseResult::passed);
+        let interval_95 = wilson_95(succeeded, flown);
+        let reached =
+            if plan.confident { interval_95.0 } else { succeeded as f64 / flown.max(1) as f64 };
+        let passed = (flown == plan.samples).then_some(reached >= plan.min_success);
+        Self { plan: plan.clone(), flown, succeeded, could_not_run, interval_95, passed }
+    }
+
+    /// The result in words: share, interval, what is demanded.
+    pub fn sentence(&self) -> String {
+        let Self { plan, flown, succeeded, could_not_run, interval_95: (low, high), .. } = self;
+        let demand = if plan.confident { "lower end of the interval" } else { "share" };
+        let missing = match plan.samples - flown.min(&plan.samples) {
+            0 => String::new(),
+            missing => format!("; {missing} of {} not flown", plan.samples),
+        };
+        let unusable = match could_not_run {
+            0 => String::new(),
+            count => format!("; {count} could not run"),
+        };
+        format!(
+            "{succeeded} of {flown} samples succeed ({:.1} %), 95 % interval {low:.3} to {high:.3}; {demand} allowed from {} on{missing}{unusable}",
+            100.0 * *succeeded as f64 / (*flown).max(1) as f64,
+            plan.min_success,
+        )
+    }
+}

@@ -1,0 +1,150 @@
+//! When a flight ends and why, in a word and a sentence.
+
+pub use super::ending::Verdict;
+use super::settings::{Settings, TaskKind};
+use twin_core::elementary::{acos, cos};
+use twin_core::tick::Tick;
+
+/// The vehicle has left when it is farther than this from the origin, m.
+const ARENA_RADIUS_M: f64 = 6.0;
+/// A body that is not a pad met something harder than this, N.
+const CRASH_N: f64 = 60.0;
+/// Tilt from which no controller here recovers, rad.
+const TIPPED_RAD: f64 = 1.4;
+/// The payload is lost when it moved this far in the palm, m.
+const LOST_M: f64 = 0.06;
+/// Placed means: within this distance of the place, tilted and moving less than this, m, rad, m/s.
+const PLACED_M: f64 = 0.060;
+const PLACED_TILT_RAD: f64 = 0.05;
+const PLACED_SPEED_M_S: f64 = 0.02;
+
+/// Watches a flight tick by tick.
+#[derive(Clone, Debug)]
+pub struct Judge {
+    time_limit_s: f64,
+    task: TaskKind,
+    place: nalgebra::Vector3<f64>,
+    payload_in_palm: Option<nalgebra::Vector3<f64>>,
+}
+
+impl Judge {
+    /// For a flight of `settings`.
+    pub fn new(settings: &Settings) -> Self {
+        Self {
+            time_limit_s: settings.time_limit_s,
+            task: settings.task.kind,
+            place: settings.task.place_position_m.into(),
+            payload_in_palm: None,
+        }
+    }
+
+    /// The verdict with its sentence once the flight is over.
+    pub fn watch(&mut self, tick: &Tick) -> Option<(Verdict, String)> {
+        let t_s = tick.measurement.t_s;
+        let Some(truth) = &tick.truth else {
+            return tick.finished.then(|| (Verdict::Completed, "the recording ended".to_owned()));
+        };
+        let finite = truth.chi.iter().chain(&truth.chi_dot).all(|x| x.is_finite());
+        if !finite {
+            return Some((
+                Verdict::NonFinite,
+                format!("the state became non-finite at {t_s:.2} s"),
+            ));
+        }
+        if let Some(end) = lost_vehicle(tick, truth).or_else(|| self.lost_payload(tick, truth)) {
+            return Some(end);
+        }
+        if let Some(why) = &tick.gave_up {
+            return Some((Verdict::GaveUp, why.clone()));
+        }
+        if tick.finished {
+            return Some(self.finished(truth, t_s));
+        }
+        (t_s >= self.time_limit_s).then(|| {
+            (
+                Verdict::TimedOut,
+                format!("{:.0} s ran out in phase {:?}", self.time_limit_s, tick.phase),
+            )
+        })
+    }
+
+    fn lost_payload(
+        &mut self,
+        tick: &Tick,
+        truth: &twin_core::tick::Truth,
+    ) -> Option<(Verdict, String)> {
+        let carried = tick.reference.transporting && tick.phase != "lift";
+        if !carried || !matches!(self.task, TaskKind::PickPlace | TaskKind::Excitation) {
+            self.payload_in_palm = None;
+            return None;
+        }
+        let held = *self.payload_in_palm.get_or_insert(truth.payload_in_palm);
+        let moved = (truth.payload_in_palm - held).norm();
+        (moved > LOST_M).then(|| {
+            let t_s = tick.measurement.t_s;
+            (
+                Verdict::Dropped,
+                format!("the payload left the hand in phase {:?} at {t_s:.2} s", tick.phase),
+            )
+        })
+    }
+
+    fn finished(&self, truth: &twin_core::tick::Truth, t_s: f64) -> (Verdict, String) {
+        match self.task {
+            TaskKind::Hover => return (Verdict::Completed, format!("hovered for {t_s:.1} s")),
+            TaskKind::Path => {
+                return (Verdict::Completed, format!("followed the path in {t_s:.1} s"));
+            }
+            TaskKind::Excitation => {
+                return (Verdict::Completed, format!("flew way-points for {t_s:.1} s"));
+            }
+            TaskKind::PickPlace => {}
+        }
+        let error_m = (truth.payload_position - self.place).xy().norm();
+        let height_m = (truth.payload_position.z - self.place.z).abs();
+        let found = format!(
+            "{:.0} mm from its place, {:.1}° tilted, at {:.3} m/s",
+            error_m * 1e3,
+            truth.payload_tilt_rad.to_degrees(),
+            truth.payload_speed_m_s
+        );
+        let good = error_m <= PLACED_M
+            && height_m <= 0.01
+            && truth.payload_tilt_rad <= PLACED_TILT_RAD
+            && truth.payload_speed_m_s <= PLACED_SPEED_M_S;
+        if good {
+            (Verdict::Completed, format!("payload placed {found}"))
+        } else {
+            (
+                Verdict::Misplaced,
+                format!("payload ended {found}, {:.0} mm off in height", height_m * 1e3),
+            )
+        }
+    }
+}
+
+/// The end of a flight whose vehicle tipped over, hit something or left.
+fn lost_vehicle(tick: &Tick, truth: &twin_core::tick::Truth) -> Option<(Verdict, String)> {
+    let t_s = tick.measurement.t_s;
+    let tilt = acos((cos(truth.chi[3]) * cos(truth.chi[4])).clamp(-1.0, 1.0));
+    if tilt > TIPPED_RAD {
+        return Some((
+            Verdict::Crashed,
+            format!("the vehicle tipped over ({:.0}°) at {t_s:.2} s", tilt.to_degrees()),
+        ));
+    }
+    if truth.collision_force_n > CRASH_N {
+        let force = truth.collision_force_n;
+        return Some((
+            Verdict::Crashed,
+            format!("the vehicle hit something with {force:.0} N at {t_s:.2} s"),
+        ));
+    }
+    let distance = truth.chi.fixed_rows::<3>(0).norm();
+    (distance > ARENA_RADIUS_M).then(|| {
+        (
+            Verdict::FlewAway,
+            format!("the vehicle was {distance:.1} m from the origin at {t_s:.2} s"),
+        )
+    })
+}
