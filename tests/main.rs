@@ -6,6 +6,7 @@ mod flight;
 mod harness;
 mod layers;
 mod mirror;
+mod patience;
 mod plant;
 mod scenarios;
 mod server;

@@ -16,6 +16,8 @@
 
 #[path = "../server/console.rs"]
 mod console;
+#[path = "../patience.rs"]
+mod patience;
 #[path = "../mirror/made.rs"]
 mod made;
 

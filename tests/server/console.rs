@@ -3,17 +3,14 @@
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
 
 use serde_json::Value;
 use tungstenite::client::IntoClientRequest;
 use tungstenite::{Message, WebSocket};
 
+use crate::patience::{PATIENCE, Patience};
 use twin_console::server::{Running, ServeOptions, spawn};
 use twin_scenario::Scenario;
-
-/// Nothing here takes longer, also on a loaded machine.
-pub(super) const PATIENCE: Duration = Duration::from_secs(20);
 
 /// A scenario as it is.
 pub(super) fn scenario(name: &str, overrides: &[&str]) -> Scenario {
@@ -168,9 +165,9 @@ impl Console {
 
     /// The next JSON message of a type that fits.
     pub(super) fn message_that(&mut self, wanted: &str, fits: impl Fn(&Value) -> bool) -> Value {
-        let start = Instant::now();
+        let patience = Patience::new();
         let mut last = Value::Null;
-        while start.elapsed() < PATIENCE {
+        while patience.lasts() {
             match self.next() {
                 Arrival::Json(message) if message["type"] == wanted => {
                     if fits(&message) {
@@ -187,8 +184,8 @@ impl Console {
 
     /// The next telemetry frame.
     pub(super) fn frame(&mut self) -> Frame {
-        let start = Instant::now();
-        while start.elapsed() < PATIENCE {
+        let patience = Patience::new();
+        while patience.lasts() {
             match self.next() {
                 Arrival::Frame(frame) => return frame,
                 Arrival::Closed(why) => panic!("closed while waiting for telemetry: {why:?}"),

@@ -2,7 +2,6 @@
 
 use std::collections::VecDeque;
 use std::net::{SocketAddr, TcpStream};
-use std::time::Instant;
 
 use foxglove::Decode;
 use foxglove::messages::FrameTransforms;
@@ -13,7 +12,7 @@ use serde_json::{Value, json};
 use tungstenite::client::IntoClientRequest;
 use tungstenite::{Message, WebSocket};
 
-use super::console::PATIENCE;
+use crate::patience::{PATIENCE, Patience};
 
 /// What arrives: JSON, or the data of a subscription.
 pub(super) enum Said {
@@ -71,8 +70,8 @@ impl Foxglove {
     }
 
     pub(super) fn json(&mut self, fits: impl Fn(&Value) -> bool) -> Value {
-        let start = Instant::now();
-        while start.elapsed() < PATIENCE {
+        let patience = Patience::new();
+        while patience.lasts() {
             match self.next() {
                 Said::Json(said) if fits(&said) => return said,
                 _ => {}
@@ -121,9 +120,9 @@ impl Foxglove {
 
     /// The next state of playback that fits.
     pub(super) fn playback(&mut self, fits: impl Fn(&PlaybackState) -> bool) -> PlaybackState {
-        let start = Instant::now();
+        let patience = Patience::new();
         let mut last = None;
-        while start.elapsed() < PATIENCE {
+        while patience.lasts() {
             match self.next() {
                 row @ Said::Data { .. } => self.held.push_back(row),
                 Said::Other(said) => {

@@ -1,7 +1,6 @@
 //! A served flight against real connections: what operators, slow clients and hostile pages do to it.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail by panicking, as tests do")]
-#![expect(clippy::disallowed_methods, reason = "pace and patience are wall-clock time")]
 
 mod console;
 mod flying;

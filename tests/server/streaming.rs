@@ -1,11 +1,10 @@
 //! One twin mirrors another through Foxglove's protocol: it shows what the other flies, says when the stream is lost, shows
 //! nothing meanwhile, and goes on by itself.
 
-use std::time::Instant;
-
 use serde_json::Value;
 
-use super::console::{Arrival, Console, PATIENCE, options};
+use super::console::{Arrival, Console, options};
+use crate::patience::{PATIENCE, Patience};
 use twin_console::server::{MirrorOptions, Running, ServeOptions, spawn, spawn_mirror};
 use twin_foreign::live::{From, Live};
 
@@ -28,11 +27,10 @@ impl Watch {
 
     /// Waits until the value of a channel in the newest row fits; returns the notices before.
     fn until(&mut self, name: &str, fits: impl Fn(f32) -> bool) -> Vec<String> {
-        let start = Instant::now();
+        let patience = Patience::new();
         let mut notices = Vec::new();
         let mut last = f32::NAN;
-        // A flight begins, is lost and begins again: three times what anything else may take.
-        while start.elapsed() < 3 * PATIENCE {
+        while patience.lasts() {
             match self.console.next() {
                 Arrival::Json(said) if said["type"] == "hello" => self.hello = said,
                 Arrival::Json(said) if said["type"] == "notice" => {
@@ -65,7 +63,7 @@ fn a_twin_mirrors_another_and_goes_on_after_the_stream_was_lost() {
     let port = other.foxglove_address().expect("it serves Foxglove").port();
     let live =
         Live::listen(&From::Socket(format!("ws://127.0.0.1:{port}")), None).expect("a thread");
-    let opened = live.wait(3 * PATIENCE).expect("a flight");
+    let opened = live.wait(PATIENCE).expect("a flight");
     let running = spawn_mirror(MirrorOptions {
         opened,
         live: Some(live),

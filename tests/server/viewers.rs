@@ -2,13 +2,13 @@
 //! behind all of them.
 
 use std::net::{SocketAddr, TcpStream};
-use std::time::Instant;
 
 use rmpv::Value;
 use tungstenite::client::IntoClientRequest;
 use tungstenite::{Message, WebSocket};
 
-use super::console::{Console, PATIENCE, api, http, serve};
+use super::console::{Console, api, http, serve};
+use crate::patience::{PATIENCE, Patience};
 
 pub(super) struct Viewer {
     socket: WebSocket<TcpStream>,
@@ -80,8 +80,8 @@ impl Viewer {
 
     /// All messages up to the first that fits, which is the last.
     pub(super) fn until(&mut self, fits: impl Fn(&Value) -> bool) -> Vec<Value> {
-        let (start, mut seen) = (Instant::now(), Vec::new());
-        while start.elapsed() < PATIENCE {
+        let (patience, mut seen) = (Patience::new(), Vec::new());
+        while patience.lasts() {
             for message in self.next().expect("the connection stays open") {
                 let found = fits(&message);
                 seen.push(message);

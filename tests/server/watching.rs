@@ -21,17 +21,22 @@ fn the_hello_comes_first_and_describes_the_frames_that_follow() {
     assert!((frame.t_s - frame.after() as f64 * tick_s).abs() < 1e-9, "{frame:?}");
 }
 
+/// Most ticks of a flight at real time from one state to the next: the 0.4 s between states, the 0.1 s that a flight which is late
+/// may catch up, and the tick that was under way. A machine under load flies fewer, never more.
+const MOST_TICKS_BETWEEN_STATES: u64 = 40 + 10 + 1;
+
 #[test]
-fn the_state_comes_at_least_twice_a_second_and_counts_the_clients() {
+fn the_state_comes_in_every_half_second_of_flight_and_counts_the_clients() {
     let running = serve();
     let (mut one, mut two) =
         (Console::connect(running.address()), Console::connect(running.address()));
-    let start = std::time::Instant::now();
+    let mut tick = || one.message("state")["tick"].as_u64().unwrap();
+    let mut last = tick();
     for _ in 0..4 {
-        one.message("state");
+        let next = tick();
+        assert!((last..=last + MOST_TICKS_BETWEEN_STATES).contains(&next), "{last} then {next}");
+        last = next;
     }
-    // Four states take 1.6 s; twice a second would be 2 s, and a loaded machine gets another second.
-    assert!(start.elapsed().as_secs_f64() < 3.0, "{:?}", start.elapsed());
     let state = two.message_that("state", |state| state["clients"] == 2);
     assert_eq!(state["phase"], "flying");
     drop(one);
@@ -89,19 +94,4 @@ fn a_client_that_comes_late_has_the_flight_so_far_and_misses_nothing_after() {
         assert_eq!(bits(&past.rows[tick as usize]), bits(row), "tick {tick}");
     }
     assert_eq!(late.frame().first_tick, past.after());
-}
-
-#[test]
-fn real_time_is_kept() {
-    let running = serve();
-    let mut console = Console::connect(running.address());
-    let first = console.frame();
-    let start = std::time::Instant::now();
-    let mut last = first.after();
-    while start.elapsed().as_secs_f64() < 1.5 {
-        last = console.frame().after();
-    }
-    let factor = (last - first.after()) as f64 * 0.01 / start.elapsed().as_secs_f64();
-    // Deadlines do not drift; a busy test machine may take a tick or ten late at either end.
-    assert!((factor - 1.0).abs() < 0.15, "{factor}");
 }
