@@ -1,6 +1,7 @@
 //! The one test binary.
 
 mod bad_input;
+mod circles;
 mod fdt;
 mod flight;
 mod harness;
@@ -8,5 +9,6 @@ mod layers;
 mod mirror;
 mod patience;
 mod plant;
+mod reading;
 mod scenarios;
 mod server;
