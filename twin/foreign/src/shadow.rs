@@ -146,6 +146,7 @@ impl Shadow {
             Allocation::new(&[rotor; 4], 0.0, f64::MAX),
             Vector3::repeat(1.0),
             Vector2::zeros(),
+            tuning.gains.safe_set.tilt_rad,
             TICK_S,
         );
         Parts {

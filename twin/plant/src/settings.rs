@@ -96,6 +96,8 @@ pub struct GripperSettings {
     pub force_n: f64,
     /// Friction coefficient of the pads.
     pub friction: f64,
+    /// Distance between the open pads, m.
+    pub opening_m: f64,
 }
 
 /// What stands around.

@@ -219,15 +219,20 @@ fn controller(settings: &Settings) -> Box<dyn Controller> {
     Box::new(Excited::new(law, multisine))
 }
 
-/// The values a preset stands for; scenario overrides not applied.
-pub(super) fn preset_tuning(_settings: &Settings, preset: Preset) -> Tuning {
+/// The values a preset stands for with this vehicle; the gains of the scenario are not applied.
+pub(super) fn preset_tuning(settings: &Settings, preset: Preset) -> Tuning {
     let mut adapter = lra::Settings::default();
     match preset {
         Preset::Literal => adapter.trace_cap_per_feature = f64::MAX,
         Preset::Paper => {}
         Preset::Tuned => adapter.reset_threshold = TUNED_RESET_THRESHOLD,
     }
-    Tuning { gains: Gains::preset(preset), adapter }
+    let gains = Gains {
+        nominal_inertia: Coords::from(settings.controller.nominal_inertia),
+        safe_set: settings.controller.limits,
+        ..Gains::preset(preset)
+    };
+    Tuning { gains, adapter }
 }
 
 /// The values in force at the start: the preset, then what the scenario overrides.
@@ -268,6 +273,7 @@ fn rows(settings: &Settings, robot: &Robot, arm_joints: &[usize]) -> Result<Rows
         Allocation::new(&rotors, rotor.min_thrust_n, rotor.max_thrust_n),
         Vector3::from(settings.controller.attitude_inertia_kg_m2),
         Vector2::new(limit(0), limit(1)),
+        settings.controller.limits.tilt_rad,
         1.0 / settings.controller.inner_hz,
     ))
 }
@@ -355,8 +361,8 @@ fn task(settings: &Settings, arm: Arm) -> Box<dyn Task> {
                 speed_m_s: task.speed_m_s,
                 place: Vector3::from(task.place_position_m),
                 cube_size_m: settings.payload.size_m,
-                least_payload_kg: LEAST_PAYLOAD_KG,
-                opening_m: OPENING_M,
+                least_payload_kg: task.least_payload_kg,
+                opening_m: settings.vehicle.gripper.opening_m,
                 grasp_joints,
                 transit_joints,
                 retry_limit: task.retry_limit,
@@ -365,9 +371,3 @@ fn task(settings: &Settings, arm: Arm) -> Box<dyn Task> {
         }
     }
 }
-
-/// Lightest payload a lift is checked against, kg.
-const LEAST_PAYLOAD_KG: f64 = 0.1;
-
-/// Distance between the open pads, m.
-const OPENING_M: f64 = 0.110;

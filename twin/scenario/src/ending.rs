@@ -39,3 +39,25 @@ impl std::fmt::Display for Verdict {
         })
     }
 }
+
+/// When a flight is over; the scenario's `verdict`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct VerdictSettings {
+    /// The vehicle has left when it is farther than this from the origin, m.
+    pub arena_radius_m: f64,
+    /// The vehicle has crashed when a body that is not a pad met something harder than this, N.
+    pub crash_n: f64,
+    /// The vehicle has tipped over when it is tilted more than this, rad.
+    pub tipped_rad: f64,
+    /// The payload is lost when it moved this far in the palm, m.
+    pub lost_m: f64,
+    /// A payload is placed within this horizontal distance of its place, m.
+    pub placed_m: f64,
+    /// A payload is placed within this height above or below its place, m.
+    pub placed_height_m: f64,
+    /// A payload is placed when it is tilted less than this, rad.
+    pub placed_tilt_rad: f64,
+    /// A payload is placed when it moves slower than this, m/s.
+    pub placed_speed_m_s: f64,
+}

@@ -93,23 +93,23 @@ pub fn read_text<T: DeserializeOwned>(
     overrides: &[String],
 ) -> Result<T, ScenarioError> {
     let names = Names { file, overrides };
-    let mut merged = names.parse(defaults, Place::Default)?;
-    let schema = Schema::new(&mut merged);
-    let given = names.parse(text, Place::File)?;
-    merged.merge(given, &schema).map_err(|finding| names.describe(finding))?;
-    for (index, text) in overrides.iter().enumerate() {
-        let entry = parse_override(text, index)?;
-        merged.merge(entry, &schema).map_err(|finding| names.describe(finding))?;
-    }
+    let merged = names.merged(text, defaults)?;
     merged.check_values().map_err(|finding| names.describe(finding))?;
-    serde_path_to_error::deserialize(merged.to_toml()).map_err(|error| {
-        let path: Vec<String> = error.path().iter().filter_map(segment).collect();
-        ScenarioError::Value {
-            place: names.name(merged.place_of(&path)),
-            key: dotted(&path),
-            reason: error.into_inner().message().trim().to_owned(),
-        }
-    })
+    names.typed(&merged)
+}
+
+/// The scenario in `text` as a recording holds it, which was flown: keys that are younger than the recording have their defaults,
+/// and ranges are not asked for.
+///
+/// # Errors
+/// For bad syntax, unknown keys and wrong types.
+pub fn read_recorded<T: DeserializeOwned>(
+    text: &str,
+    file: &Path,
+    defaults: &str,
+) -> Result<T, ScenarioError> {
+    let names = Names { file, overrides: &[] };
+    names.typed(&names.merged(text, defaults)?)
 }
 
 fn segment(segment: &serde_path_to_error::Segment) -> Option<String> {
@@ -140,6 +140,30 @@ struct Names<'a> {
 }
 
 impl Names<'_> {
+    /// The tree of `text` over that of `defaults`, under the overrides.
+    fn merged(&self, text: &str, defaults: &str) -> Result<Entry, ScenarioError> {
+        let mut merged = self.parse(defaults, Place::Default)?;
+        let schema = Schema::new(&mut merged);
+        let given = self.parse(text, Place::File)?;
+        merged.merge(given, &schema).map_err(|finding| self.describe(finding))?;
+        for (index, text) in self.overrides.iter().enumerate() {
+            let entry = parse_override(text, index)?;
+            merged.merge(entry, &schema).map_err(|finding| self.describe(finding))?;
+        }
+        Ok(merged)
+    }
+
+    fn typed<T: DeserializeOwned>(&self, merged: &Entry) -> Result<T, ScenarioError> {
+        serde_path_to_error::deserialize(merged.to_toml()).map_err(|error| {
+            let path: Vec<String> = error.path().iter().filter_map(segment).collect();
+            ScenarioError::Value {
+                place: self.name(merged.place_of(&path)),
+                key: dotted(&path),
+                reason: error.into_inner().message().trim().to_owned(),
+            }
+        })
+    }
+
     fn parse(&self, text: &str, place: fn(u32) -> Place) -> Result<Entry, ScenarioError> {
         Entry::parse(text, place)
             .map_err(|(line, found)| ScenarioError::Syntax { place: self.name(place(line)), found })

@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::checks::{Check, EventCheck};
-use super::ending::Verdict;
+use super::ending::{Verdict, VerdictSettings};
 use super::golden::GoldenSettings;
 use super::sweep::Sweep;
-use twin_core::control::Preset;
+use twin_core::control::{Preset, SafeSet};
 use twin_core::flight::Condition;
 use twin_core::source::{Disturbance, Failure};
 use twin_core::tick::InnerLaw;
@@ -49,6 +49,8 @@ pub struct Settings {
     pub controller: ControllerSettings,
     /// Gains at the start.
     pub gains: GainSettings,
+    /// When the flight is over.
+    pub verdict: VerdictSettings,
     /// Changes of the world by time.
     #[serde(default)]
     pub disturbances: Vec<Scheduled>,
@@ -89,6 +91,8 @@ pub struct TaskSettings {
     pub transit_joints_rad: [f64; 2],
     /// Attempts before giving up.
     pub retry_limit: u32,
+    /// Lightest payload that a lift is checked against, kg.
+    pub least_payload_kg: f64,
     /// Duration of a hover or of an excitation, s.
     pub duration_s: f64,
     /// Transport path.
@@ -237,6 +241,10 @@ pub struct ControllerSettings {
     pub outer_divisor: u32,
     /// Effective inertia about roll, pitch, yaw for the PX4-like rate loop, kg m².
     pub attitude_inertia_kg_m2: [f64; 3],
+    /// Nominal inertia `M_bar` per row, kg and kg m².
+    pub nominal_inertia: [f64; 8],
+    /// The safe set around nominal gravity.
+    pub limits: SafeSet,
     /// L1 adaptive control.
     pub l1: L1Settings,
     /// Excitation on top of the law.

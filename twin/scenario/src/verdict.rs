@@ -1,26 +1,14 @@
 //! When a flight ends and why, in a word and a sentence.
 
-pub use super::ending::Verdict;
+pub use super::ending::{Verdict, VerdictSettings};
 use super::settings::{Settings, TaskKind};
 use twin_core::elementary::{acos, cos};
 use twin_core::tick::Tick;
 
-/// The vehicle has left when it is farther than this from the origin, m.
-const ARENA_RADIUS_M: f64 = 6.0;
-/// A body that is not a pad met something harder than this, N.
-const CRASH_N: f64 = 60.0;
-/// Tilt from which no controller here recovers, rad.
-const TIPPED_RAD: f64 = 1.4;
-/// The payload is lost when it moved this far in the palm, m.
-const LOST_M: f64 = 0.06;
-/// Placed means: within this distance of the place, tilted and moving less than this, m, rad, m/s.
-const PLACED_M: f64 = 0.060;
-const PLACED_TILT_RAD: f64 = 0.05;
-const PLACED_SPEED_M_S: f64 = 0.02;
-
 /// Watches a flight tick by tick.
 #[derive(Clone, Debug)]
 pub struct Judge {
+    limits: VerdictSettings,
     time_limit_s: f64,
     task: TaskKind,
     place: nalgebra::Vector3<f64>,
@@ -31,6 +19,7 @@ impl Judge {
     /// For a flight of `settings`.
     pub fn new(settings: &Settings) -> Self {
         Self {
+            limits: settings.verdict,
             time_limit_s: settings.time_limit_s,
             task: settings.task.kind,
             place: settings.task.place_position_m.into(),
@@ -51,7 +40,9 @@ impl Judge {
                 format!("the state became non-finite at {t_s:.2} s"),
             ));
         }
-        if let Some(end) = lost_vehicle(tick, truth).or_else(|| self.lost_payload(tick, truth)) {
+        if let Some(end) =
+            lost_vehicle(&self.limits, tick, truth).or_else(|| self.lost_payload(tick, truth))
+        {
             return Some(end);
         }
         if let Some(why) = &tick.gave_up {
@@ -80,7 +71,7 @@ impl Judge {
         }
         let held = *self.payload_in_palm.get_or_insert(truth.payload_in_palm);
         let moved = (truth.payload_in_palm - held).norm();
-        (moved > LOST_M).then(|| {
+        (moved > self.limits.lost_m).then(|| {
             let t_s = tick.measurement.t_s;
             (
                 Verdict::Dropped,
@@ -108,10 +99,11 @@ impl Judge {
             truth.payload_tilt_rad.to_degrees(),
             truth.payload_speed_m_s
         );
-        let good = error_m <= PLACED_M
-            && height_m <= 0.01
-            && truth.payload_tilt_rad <= PLACED_TILT_RAD
-            && truth.payload_speed_m_s <= PLACED_SPEED_M_S;
+        let limits = &self.limits;
+        let good = error_m <= limits.placed_m
+            && height_m <= limits.placed_height_m
+            && truth.payload_tilt_rad <= limits.placed_tilt_rad
+            && truth.payload_speed_m_s <= limits.placed_speed_m_s;
         if good {
             (Verdict::Completed, format!("payload placed {found}"))
         } else {
@@ -124,16 +116,20 @@ impl Judge {
 }
 
 /// The end of a flight whose vehicle tipped over, hit something or left.
-fn lost_vehicle(tick: &Tick, truth: &twin_core::tick::Truth) -> Option<(Verdict, String)> {
+fn lost_vehicle(
+    limits: &VerdictSettings,
+    tick: &Tick,
+    truth: &twin_core::tick::Truth,
+) -> Option<(Verdict, String)> {
     let t_s = tick.measurement.t_s;
     let tilt = acos((cos(truth.chi[3]) * cos(truth.chi[4])).clamp(-1.0, 1.0));
-    if tilt > TIPPED_RAD {
+    if tilt > limits.tipped_rad {
         return Some((
             Verdict::Crashed,
             format!("the vehicle tipped over ({:.0}°) at {t_s:.2} s", tilt.to_degrees()),
         ));
     }
-    if truth.collision_force_n > CRASH_N {
+    if truth.collision_force_n > limits.crash_n {
         let force = truth.collision_force_n;
         return Some((
             Verdict::Crashed,
@@ -141,7 +137,7 @@ fn lost_vehicle(tick: &Tick, truth: &twin_core::tick::Truth) -> Option<(Verdict,
         ));
     }
     let distance = truth.chi.fixed_rows::<3>(0).norm();
-    (distance > ARENA_RADIUS_M).then(|| {
+    (distance > limits.arena_radius_m).then(|| {
         (
             Verdict::FlewAway,
             format!("the vehicle was {distance:.1} m from the origin at {t_s:.2} s"),

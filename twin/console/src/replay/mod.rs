@@ -24,7 +24,8 @@ use twin_core::tick::Tick;
 use twin_core::tuning::Tuning;
 use twin_record::scene::Scene;
 use twin_record::{Recording, RecordingError, read_recording};
-use twin_scenario::{ActuatorLimits, Assessor, Report, Scenario, Settings};
+use twin_scenario::file::read_recorded;
+use twin_scenario::{ActuatorLimits, Assessor, DEFAULTS, Report, Scenario, Settings};
 
 /// Which telemetry rows fit the channels of a page; there is only one flight in it.
 const SCHEMA_ID: u16 = 1;
@@ -159,10 +160,10 @@ fn scenario(recording: &Recording) -> Result<Scenario, ReplayError> {
     let bytes =
         recording.attachments.get(part).ok_or_else(|| refused("it is missing".to_owned()))?;
     let text = std::str::from_utf8(bytes).map_err(|error| refused(error.to_string()))?;
-    let mut settings: Settings =
-        toml::from_str(text).map_err(|error| refused(error.to_string()))?;
-    settings.golden = None;
     let name = recording.metadata.get("scenario").cloned().unwrap_or_default();
+    let mut settings: Settings = read_recorded(text, Path::new(part), DEFAULTS)
+        .map_err(|error| refused(error.to_string()))?;
+    settings.golden = None;
     Ok(Scenario { file: PathBuf::from(&name).with_extension("toml"), name, settings })
 }
 

@@ -6,15 +6,9 @@ use nalgebra::{Vector2, Vector3};
 
 use super::compensation::Compensation;
 use super::{Controller, Gains, Input};
-use crate::elementary::{exp, hypot};
-use crate::notation::{Coords, GRAVITY_M_S2, attitude, position, tracking_error};
+use crate::elementary::exp;
+use crate::notation::{Coords, attitude, position, tracking_error};
 use crate::tick::{ControlState, Setpoint};
-
-/// Largest horizontal specific force, m/s²: about 31° of tilt.
-const LATERAL_LIMIT_M_S2: f64 = 6.0;
-
-/// Smallest share of the weight that the vertical force keeps, so that the thrust axis stays defined.
-const VERTICAL_SHARE: f64 = 0.3;
 
 /// The adaptive controller.
 #[derive(Clone, Debug, Default)]
@@ -64,7 +58,8 @@ impl Controller for Adaptive {
             + r_hat
             - s * (sigma_hat / sliding_norm.max(gains.boundary_layer).max(f64::MIN_POSITIVE));
         let weight_n = input.nominal_gravity[2].max(f64::MIN_POSITIVE);
-        let force = if gains.clips { clip_force(position(&tau), weight_n) } else { position(&tau) };
+        let force = position(&tau);
+        let force = if gains.clips { gains.safe_set.clip_force(force, weight_n) } else { force };
         let setpoint = setpoint(force, input, r_hat, gains, (sliding_norm, sigma_hat));
         (setpoint, ControlState { error: e, sliding: s, robust_gain: sigma_hat })
     }
@@ -81,14 +76,6 @@ pub(super) fn errors(input: &Input<'_>) -> (Coords, Coords) {
     }
     let m = input.measurement;
     (tracking_error(&m.chi, &chi_des), m.chi_dot - chi_des_dot)
-}
-
-/// Keeps the horizontal force within [`LATERAL_LIMIT_M_S2`] and the vertical force above [`VERTICAL_SHARE`] of the weight.
-pub(super) fn clip_force(force: Vector3<f64>, weight_n: f64) -> Vector3<f64> {
-    let lateral_limit = LATERAL_LIMIT_M_S2 * weight_n / GRAVITY_M_S2;
-    let lateral = hypot(force.x, force.y);
-    let scale = if lateral > lateral_limit { lateral_limit / lateral } else { 1.0 };
-    Vector3::new(force.x * scale, force.y * scale, force.z.max(VERTICAL_SHARE * weight_n))
 }
 
 /// The set-point that carries `force` and the references of the inner rows.
@@ -138,12 +125,5 @@ mod tests {
             law.update_robust_gain(1e6, &gains, 0.01);
         }
         assert_eq!(law.robust_gain, Some(gains.robust_gain_cap));
-    }
-
-    #[test]
-    fn clipped_force_keeps_its_direction_and_points_up() {
-        let f = clip_force(Vector3::new(300.0, 400.0, -5.0), 30.0);
-        assert!((f.y / f.x - 4.0 / 3.0).abs() < 1e-12);
-        assert!(hypot(f.x, f.y) <= LATERAL_LIMIT_M_S2 * 30.0 / GRAVITY_M_S2 + 1e-9 && f.z > 0.0);
     }
 }

@@ -9,11 +9,8 @@ const COMMAND_FILTER_RAD_S: f64 = 15.0;
 /// Damping ratio of the command filter.
 const COMMAND_FILTER_ZETA: f64 = 0.9;
 
-/// Largest desired tilt, rad.
-const TILT_LIMIT_RAD: f64 = 1.0;
-
-/// Roll and pitch that point the body z axis along `force_in_world` at heading `yaw`, rad.
-pub fn tilt_from_force(force_in_world: &Vector3<f64>, yaw: f64) -> (f64, f64) {
+/// Roll and pitch, each up to `limit_rad`, that point the body z axis along `force_in_world` at heading `yaw`, rad.
+pub fn tilt_from_force(force_in_world: &Vector3<f64>, yaw: f64, limit_rad: f64) -> (f64, f64) {
     let norm = force_in_world.norm();
     if !(norm > 1e-9 && norm.is_finite()) {
         return (0.0, 0.0);
@@ -22,7 +19,7 @@ pub fn tilt_from_force(force_in_world: &Vector3<f64>, yaw: f64) -> (f64, f64) {
     let (sin_yaw, cos_yaw) = sin_cos(yaw);
     let roll = asin((z.x * sin_yaw - z.y * cos_yaw).clamp(-1.0, 1.0));
     let pitch = atan2(z.x * cos_yaw + z.y * sin_yaw, z.z);
-    (roll.clamp(-TILT_LIMIT_RAD, TILT_LIMIT_RAD), pitch.clamp(-TILT_LIMIT_RAD, TILT_LIMIT_RAD))
+    (roll.clamp(-limit_rad, limit_rad), pitch.clamp(-limit_rad, limit_rad))
 }
 
 /// Second-order filter on roll and pitch; yaw comes with its own derivatives.
@@ -60,7 +57,7 @@ mod tests {
         #[test]
         fn the_thrust_axis_points_along_the_force(x in -5.0..5.0f64, y in -5.0..5.0f64, z in 10.0..40.0f64, yaw in -3.0..3.0f64) {
             let force = Vector3::new(x, y, z);
-            let (roll, pitch) = tilt_from_force(&force, yaw);
+            let (roll, pitch) = tilt_from_force(&force, yaw, 1.0);
             let axis = world_from_body(&Vector3::new(roll, pitch, yaw)) * Vector3::z();
             // Exact algebra but for rounding.
             prop_assert!((axis - force.normalize()).norm() < 1e-9);
@@ -81,7 +78,7 @@ mod tests {
 
     #[test]
     fn no_force_means_level() {
-        assert_eq!(tilt_from_force(&Vector3::zeros(), 1.0), (0.0, 0.0));
-        assert_eq!(tilt_from_force(&Vector3::repeat(f64::NAN), 1.0), (0.0, 0.0));
+        assert_eq!(tilt_from_force(&Vector3::zeros(), 1.0, 1.0), (0.0, 0.0));
+        assert_eq!(tilt_from_force(&Vector3::repeat(f64::NAN), 1.0, 1.0), (0.0, 0.0));
     }
 }

@@ -11,12 +11,6 @@ use crate::tick::{Adaptation, Reference};
 
 use super::Gains;
 
-/// Half width of the window of [`Adaptation::Bounded`], N and N m. Source: grasping study, a finger on the box pushes 2 to 6 N.
-const WINDOW: [f64; N] = [3.0, 3.0, 6.0, 0.4, 0.5, 0.2, 0.8, 0.8];
-
-/// `r_hat` may not leave nominal gravity by more than this, N and N m: a 500 g payload is 5 N, an arm row 2 N m.
-const CLIP: [f64; N] = [8.0, 8.0, 8.0, 2.0, 2.0, 0.6, 2.0, 2.0];
-
 /// The residual estimate on its way to the control law.
 #[derive(Clone, Debug, Default)]
 pub struct Compensation {
@@ -44,19 +38,14 @@ impl Compensation {
             }
             (Adaptation::Bounded, None) => {
                 let centre = *self.centre.get_or_insert(self.output);
-                let window = Coords::from(WINDOW);
-                r_hat.zip_zip_map(&(centre - window), &(centre + window), f64::clamp)
+                gains.safe_set.bound_residual(r_hat, &centre)
             }
             (Adaptation::Held, None) => {
                 hold_translation(self.centre.get_or_insert(self.output), residual)
             }
         };
-        let input = if gains.clips {
-            let clip = Coords::from(CLIP);
-            input.zip_zip_map(&(nominal_gravity - clip), &(nominal_gravity + clip), f64::clamp)
-        } else {
-            input
-        };
+        let input =
+            if gains.clips { gains.safe_set.clip_residual(&input, nominal_gravity) } else { input };
         self.output = if gains.residual_bandwidth_hz >= 50.0 {
             self.low_pass.reset();
             input
@@ -143,6 +132,6 @@ mod tests {
         let far = Coords::repeat(100.0);
         let out =
             c.step(&far, &far, &Coords::zeros(), &reference(Adaptation::Bounded), &gains, 0.01);
-        assert_eq!(out, Coords::from(WINDOW));
+        assert_eq!(out, Coords::from(gains.safe_set.residual_window));
     }
 }

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::SafeSet;
 use crate::notation::Coords;
 use crate::tick::{InnerLaw, RowGains};
 
@@ -40,8 +41,11 @@ pub struct Gains {
     pub boundary_layer: f64,
     /// Corner of the first-order low-pass on `r_hat`, Hz; at or above 50 Hz (Nyquist of the tick) it is off.
     pub residual_bandwidth_hz: f64,
-    /// `r_hat` and force are clipped to a safe set around the nominal gravity.
+    /// `r_hat` and force are clipped to the safe set around the nominal gravity.
     pub clips: bool,
+    /// That set; older recordings were flown with the default.
+    #[serde(default)]
+    pub safe_set: SafeSet,
     /// Law on attitude.
     pub inner_law: InnerLaw,
 }
@@ -70,6 +74,7 @@ impl Gains {
             boundary_layer: 1e-6,
             residual_bandwidth_hz: 50.0,
             clips: false,
+            safe_set: SafeSet::default(),
             inner_law: InnerLaw::Rows,
         };
         let paper = Self {

@@ -10,6 +10,7 @@ pub mod excited;
 pub mod attitude;
 pub mod allocation;
 pub mod rows;
+pub mod safe_set;
 
 use nalgebra::Vector3;
 
@@ -23,6 +24,7 @@ pub use gains::{Gains, Preset};
 pub use l1::{L1, L1Settings};
 pub use pid::Pid;
 pub use rows::Rows;
+pub use safe_set::SafeSet;
 
 /// What an outer law sees at one tick.
 pub struct Input<'a> {

@@ -2,7 +2,7 @@
 //!
 //! State: integrals of position, attitude and joint errors.
 
-use super::adaptive::{clip_force, errors, setpoint};
+use super::adaptive::{errors, setpoint};
 use super::{Controller, Gains, Input};
 use crate::notation::{Coords, GRAVITY_M_S2, position};
 use crate::tick::{ControlState, InnerLaw, Setpoint};
@@ -57,7 +57,7 @@ impl Controller for Pid {
             rows.damping[row] = JOINT_DAMPING;
             rows.slope[row] = JOINT_SLOPE;
         }
-        let force = clip_force(force, input.nominal_gravity[2]);
+        let force = gains.safe_set.clip_force(force, input.nominal_gravity[2]);
         let setpoint = setpoint(force, input, trim, &rows, (1.0, 0.0));
         (setpoint, ControlState { error: e, sliding: Coords::zeros(), robust_gain: 0.0 })
     }

@@ -21,15 +21,18 @@ pub struct Rows {
     allocation: Allocation,
     attitude_inertia: Vector3<f64>,
     joint_torque_limit_n_m: Vector2<f64>,
+    tilt_limit_rad: f64,
     dt_s: f64,
 }
 
 impl Rows {
-    /// Rows for a vehicle: effective inertia about roll, pitch, yaw in kg m², torque limit of each joint in N m, period in s.
+    /// Rows for a vehicle: effective inertia about roll, pitch, yaw in kg m², torque limit of each joint in N m, largest desired
+    /// roll and pitch in rad, period in s.
     pub fn new(
         allocation: Allocation,
         attitude_inertia: Vector3<f64>,
         joint_torque_limit_n_m: Vector2<f64>,
+        tilt_limit_rad: f64,
         dt_s: f64,
     ) -> Self {
         Self {
@@ -37,6 +40,7 @@ impl Rows {
             allocation,
             attitude_inertia,
             joint_torque_limit_n_m,
+            tilt_limit_rad,
             dt_s,
         }
     }
@@ -108,7 +112,8 @@ fn robust_factor(setpoint: &Setpoint) -> f64 {
 
 impl InnerLoop for Rows {
     fn command(&mut self, setpoint: &Setpoint, state: &InnerState) -> ActuatorCommand {
-        let tilt = tilt_from_force(&setpoint.force_in_world_n, setpoint.yaw_des[0]);
+        let force = &setpoint.force_in_world_n;
+        let tilt = tilt_from_force(force, setpoint.yaw_des[0], self.tilt_limit_rad);
         self.filter.step(tilt, setpoint.yaw_des, self.dt_s);
         let mut e = state.eta - self.filter.eta;
         e.z = wrap_angle(e.z);
