@@ -69,7 +69,7 @@ pub enum TuningError {
 /// Scalar parameters: name, group, label, unit, help, min, max, step.
 type Row = (&'static str, &'static str, &'static str, &'static str, &'static str, f64, f64, f64);
 
-const SCALARS: [Row; 11] = [
+const SCALARS: [Row; 12] = [
     ("leak", "Robust term", "ν", "1/s", "leak of the adaptive gain σ̂", 0.1, 20.0, 0.05),
     (
         "robust_gain_initial",
@@ -97,10 +97,20 @@ const SCALARS: [Row; 11] = [
         "Adapter",
         "r̂ low-pass",
         "Hz",
-        "corner of the low-pass on r̂; 50 Hz and more is off",
+        "corner of the low-pass on r̂",
         0.1,
         50.0,
         0.1,
+    ),
+    (
+        "residual_filter_on",
+        "Adapter",
+        "r̂ filter",
+        "",
+        "1: r̂ passes the low-pass, 0: r̂ is taken as it is",
+        0.0,
+        1.0,
+        1.0,
     ),
     ("forgetting", "Adapter", "λ", "", "forgetting factor of the RLS step", 0.9, 1.0, 0.0005),
     ("reset_scale", "Adapter", "σ₀", "", "covariance after a reset is σ₀ I", 0.001, 100.0, 0.01),
@@ -221,6 +231,9 @@ impl Tuning {
                 "reset_scale" => &mut adapter.reset_scale,
                 "reset_threshold" => &mut adapter.reset_threshold,
                 "innovation_smoothing" => &mut adapter.innovation_smoothing,
+                "residual_filter_on" => {
+                    return Some(Slot::Switch(&mut gains.residual_filter_on));
+                }
                 "reset_on" => return Some(Slot::Switch(&mut adapter.reset_enabled)),
                 "adapter_on" => return Some(Slot::Switch(&mut adapter.enabled)),
                 _ => return None,

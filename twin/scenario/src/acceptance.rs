@@ -68,6 +68,7 @@ pub fn fly(scenario: &Path, file: &Path, overrides: &[String]) -> Result<Flown, 
         format!("predictor.weights={:?}", path.display().to_string()),
         "predictor.force=true".to_owned(),
         "gains.adapter_on=0.0".to_owned(),
+        "gains.residual_filter_on=1.0".to_owned(),
         format!("gains.residual_bandwidth_hz={BANDWIDTH_HZ:?}"),
     ];
     all.extend_from_slice(overrides);

@@ -46,7 +46,7 @@ impl Compensation {
         };
         let input =
             if gains.clips { gains.safe_set.clip_residual(&input, nominal_gravity) } else { input };
-        self.output = if gains.residual_bandwidth_hz >= 50.0 {
+        self.output = if !gains.residual_filter_on {
             self.low_pass.reset();
             input
         } else {
@@ -119,7 +119,7 @@ mod tests {
     #[test]
     fn bounded_compensation_stays_in_its_window() {
         let gains =
-            Gains { clips: false, residual_bandwidth_hz: 50.0, ..Gains::preset(Preset::Tuned) };
+            Gains { clips: false, residual_filter_on: false, ..Gains::preset(Preset::Tuned) };
         let mut c = Compensation::default();
         c.step(
             &Coords::zeros(),

@@ -24,6 +24,7 @@ pub enum Preset {
 
 /// Values in force of the adaptive control law (`eq:adaptive_control_law`).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(from = "Recorded")]
 pub struct Gains {
     /// Error slope `Phi`, 1/s.
     pub slope: Coords,
@@ -39,12 +40,13 @@ pub struct Gains {
     pub robust_gain_cap: f64,
     /// Norm of `s` below which the robust term is linear.
     pub boundary_layer: f64,
-    /// Corner of the first-order low-pass on `r_hat`, Hz; at or above 50 Hz (Nyquist of the tick) it is off.
+    /// `r_hat` passes a first-order low-pass.
+    pub residual_filter_on: bool,
+    /// Corner of that low-pass, Hz.
     pub residual_bandwidth_hz: f64,
     /// `r_hat` and force are clipped to the safe set around the nominal gravity.
     pub clips: bool,
-    /// That set; older recordings were flown with the default.
-    #[serde(default)]
+    /// That set.
     pub safe_set: SafeSet,
     /// Law on attitude.
     pub inner_law: InnerLaw,
@@ -72,7 +74,8 @@ impl Gains {
             robust_gain_initial: 0.1,
             robust_gain_cap: f64::MAX,
             boundary_layer: 1e-6,
-            residual_bandwidth_hz: 50.0,
+            residual_filter_on: false,
+            residual_bandwidth_hz: 5.0,
             clips: false,
             safe_set: SafeSet::default(),
             inner_law: InnerLaw::Rows,
@@ -80,7 +83,7 @@ impl Gains {
         let paper = Self {
             robust_gain_cap: 2.0,
             boundary_layer: 0.1,
-            residual_bandwidth_hz: 5.0,
+            residual_filter_on: true,
             clips: true,
             ..literal
         };
@@ -95,6 +98,63 @@ impl Gains {
                 }
                 tuned
             }
+        }
+    }
+}
+
+/// [`Gains`] as recordings hold them. The older ones have no switch of the low-pass, which was off from 50 Hz on, and were flown
+/// with the safe set that is the default.
+#[derive(Deserialize)]
+struct Recorded {
+    slope: Coords,
+    damping: Coords,
+    nominal_inertia: Coords,
+    leak: f64,
+    robust_gain_initial: f64,
+    robust_gain_cap: f64,
+    boundary_layer: f64,
+    residual_filter_on: Option<bool>,
+    residual_bandwidth_hz: f64,
+    clips: bool,
+    #[serde(default)]
+    safe_set: SafeSet,
+    inner_law: InnerLaw,
+}
+
+impl From<Recorded> for Gains {
+    fn from(recorded: Recorded) -> Self {
+        let was_on = recorded.residual_bandwidth_hz < 50.0;
+        Self {
+            slope: recorded.slope,
+            damping: recorded.damping,
+            nominal_inertia: recorded.nominal_inertia,
+            leak: recorded.leak,
+            robust_gain_initial: recorded.robust_gain_initial,
+            robust_gain_cap: recorded.robust_gain_cap,
+            boundary_layer: recorded.boundary_layer,
+            residual_filter_on: recorded.residual_filter_on.unwrap_or(was_on),
+            residual_bandwidth_hz: recorded.residual_bandwidth_hz,
+            clips: recorded.clips,
+            safe_set: recorded.safe_set,
+            inner_law: recorded.inner_law,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gains_of_a_recording_made_before_the_switch_keep_their_low_pass() {
+        for (corner_hz, on) in [(50.0, false), (5.0, true)] {
+            let mut written = serde_json::to_value(Gains::preset(Preset::Paper)).unwrap();
+            let table = written.as_object_mut().unwrap();
+            table.remove("residual_filter_on");
+            table.remove("safe_set");
+            table.insert("residual_bandwidth_hz".to_owned(), corner_hz.into());
+            let read: Gains = serde_json::from_value(written).unwrap();
+            assert_eq!((read.residual_filter_on, read.safe_set), (on, SafeSet::default()));
         }
     }
 }

@@ -80,7 +80,7 @@ impl Controller for L1 {
         }
         let r_hat = input.nominal_gravity + self.compensated;
         // Its own low-pass is the only one, and there is no robust term beside it.
-        let gains = Gains { robust_gain_cap: 0.0, residual_bandwidth_hz: 50.0, ..*gains };
+        let gains = Gains { robust_gain_cap: 0.0, residual_filter_on: false, ..*gains };
         self.beneath.control(&Input { r_hat: &r_hat, ..*input }, &gains)
     }
 }
