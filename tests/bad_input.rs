@@ -79,6 +79,26 @@ fn a_bad_scenario_is_refused_with_file_line_key_finding_and_what_is_allowed() {
         ),
         ("unknown_gain", "[gains]\nslop = [1.0]\n", &[":2", "gains.slop", "slope"]),
         ("gain_range", "[gains]\nleak = -1.0\n", &["leak", "-1", "0.1", "20"]),
+        (
+            "heavy_change",
+            "[[disturbances]]\nat_s = 1.0\nkind = \"payload_mass\"\nkg = 300.0\n",
+            &[":4", "disturbances[0].kg", "300", "0.001..=2 kg", "looks like grams, write 0.3"],
+        ),
+        (
+            "hard_push",
+            "[[disturbances]]\nat_s = 1.0\nkind = \"push\"\nforce_n = [1e7, 0.0, 0.0]\nduration_s = 0.5\n",
+            &[":4", "disturbances[0].force_n[0]", "10000000", "-100..=100 N"],
+        ),
+        (
+            "long_push",
+            "[[disturbances]]\nat_s = 1.0\nkind = \"push\"\nforce_n = [1.0, 0.0, 0.0]\nduration_s = 11.0\n",
+            &[":5", "disturbances[0].duration_s", "11", "0..=10 s"],
+        ),
+        (
+            "storm",
+            "disturbances = [{ at_s = 1.0, kind = \"wind\", velocity_m_s = [0.0, 31.0, 0.0] }]\n",
+            &[":1", "disturbances[0].velocity_m_s[1]", "31", "-30..=30 m/s"],
+        ),
         ("no_toml", "[payload\nmass_kg = 0.3\n", &[":1", "not TOML"]),
         ("missing_urdf", "[vehicle]\nurdf = \"nowhere.urdf\"\n", &["nowhere.urdf"]),
         (

@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use twin_scenario::{DEFAULTS, Scenario};
+use twin_core::control::{Gains, Preset};
+use twin_scenario::{DEFAULTS, Scenario, Verdict, fly};
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios")
@@ -66,6 +67,33 @@ fn an_empty_file_means_the_defaults() {
 fn the_defaults_in_the_binary_are_the_file() {
     let text = std::fs::read_to_string(folder().join("defaults.toml")).expect("the defaults");
     assert_eq!(text, DEFAULTS);
+}
+
+#[test]
+fn the_limits_of_the_defaults_are_those_of_the_presets() {
+    let hover = Scenario::load(&folder().join("hover.toml"), &[]).expect("it loads");
+    for preset in [Preset::Literal, Preset::Paper, Preset::Tuned] {
+        assert_eq!(hover.preset_tuning(preset).gains, Gains::preset(preset), "{preset:?}");
+    }
+}
+
+#[test]
+fn limits_of_a_scenario_are_in_force() {
+    let overrides = [
+        "verdict.arena_radius_m=0.5",
+        "controller.limits.residual_clip.2=1.5",
+        "controller.nominal_inertia.0=2.5",
+        "gains.residual_filter_on=0.0",
+    ];
+    let scenario = Scenario::load(&folder().join("hover.toml"), &overrides.map(str::to_owned))
+        .expect("usable");
+    let gains = scenario.tuning().expect("in range").gains;
+    let found =
+        (gains.safe_set.residual_clip[2], gains.nominal_inertia[0], gains.residual_filter_on);
+    assert_eq!(found, (1.5, 2.5, false));
+    // It starts 1.2 m above the origin.
+    let report = fly(&scenario, &mut |_| ()).expect("it flies");
+    assert_eq!(report.verdict, Verdict::FlewAway, "{}", report.reason);
 }
 
 #[test]

@@ -28,6 +28,8 @@ slips = {
     "a word that is none": lambda s: s["task"].update(kind="hoover"),
     "text for a number": lambda s: s["wind"].update(gust_m_s="3"),
     "an unknown key of a list": lambda s: s["faults"][0].update(at=1.0),
+    "a push of ten million newtons": lambda s: s["disturbances"][1].update(force_n=[1e7, 0.0, 0.0]),
+    "a payload of 300 kg in flight": lambda s: s["disturbances"][2].update(kg=300.0),
     "an unknown event": lambda s: s["expect"].update(events=[{"kind": "grap"}]),
 }
 for name, slip in slips.items():

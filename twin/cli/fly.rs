@@ -6,6 +6,7 @@ use std::sync::Arc;
 use anyhow::Context;
 use clap::Args;
 use twin_console::server::{ServeOptions, serve};
+use twin_core::quantity;
 use twin_record::{Recorder, RecordingEnd};
 use twin_scenario::run::event_lines;
 use twin_scenario::{Report, Scenario, fly};
@@ -63,8 +64,8 @@ pub(super) fn parse_speed(text: &str) -> Result<Speed, String> {
         return Ok(Speed(None));
     }
     match text.parse::<f64>() {
-        Ok(speed) if speed.is_finite() && (0.01..=100.0).contains(&speed) => Ok(Speed(Some(speed))),
-        _ => Err(format!("found {text:?}, expected 0.01..=100 or max")),
+        Ok(speed) if quantity::SPEED.allows(speed) => Ok(Speed(Some(speed))),
+        _ => Err(format!("found {text:?}, expected {} or max", quantity::SPEED.range())),
     }
 }
 

@@ -7,6 +7,7 @@
 pub mod elementary;
 pub mod normal;
 pub mod notation;
+pub mod quantity;
 pub mod tick;
 pub mod source;
 pub mod filter;

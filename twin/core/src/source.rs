@@ -4,6 +4,7 @@
 
 use nalgebra::{Vector2, Vector3};
 
+use crate::quantity::{self, Quantity};
 use crate::tick::{ActuatorCommand, Measurement, Setpoint, Truth};
 
 /// What the inner rows see, at 500 Hz.
@@ -137,6 +138,21 @@ impl Failure {
 }
 
 impl Disturbance {
+    /// Every number that a client may set, with what bounds it; those of a failure are a scenario's alone.
+    pub fn numbers(&self) -> Vec<(&'static Quantity, f64)> {
+        let each = |quantity, values: &[f64]| values.iter().map(|v| (quantity, *v)).collect();
+        match self {
+            Self::PayloadMass { kg } => vec![(&quantity::PAYLOAD_MASS, *kg)],
+            Self::Wind { velocity_m_s } => each(&quantity::WIND, velocity_m_s),
+            Self::Push { force_n, duration_s } => {
+                let mut numbers: Vec<_> = each(&quantity::PUSH_FORCE, force_n);
+                numbers.push((&quantity::PUSH_DURATION, *duration_s));
+                numbers
+            }
+            Self::DropPayload | Self::Effect { .. } | Self::Failure { .. } => Vec::new(),
+        }
+    }
+
     /// What happens, for people.
     pub fn sentence(&self) -> String {
         match self {

@@ -1,4 +1,4 @@
-//! The values in force of a flight, and the one registry that names, bounds and describes each of them.
+//! The values in force of a flight: where each gain of the registry of quantities lives, and how it is read and set.
 //!
 //! Every slider of every client, every `gains.*` key of a scenario and every recorded gain event goes through
 //! [`Tuning::set`], so there is one place that decides what is allowed.
@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::control::Gains;
 use crate::notation::ROWS;
+use crate::quantity::{self, OutOfRange, Quantity};
 use crate::residual::lra;
 
 /// The values in force; changed between ticks only.
@@ -27,16 +28,8 @@ pub struct Parameter {
     pub group: &'static str,
     /// Symbol as in the paper, `Φ x`.
     pub label: String,
-    /// Unit, empty if none.
-    pub unit: &'static str,
-    /// What it does, one sentence.
-    pub help: &'static str,
-    /// Smallest allowed value.
-    pub min: f64,
-    /// Largest allowed value.
-    pub max: f64,
-    /// Step of a slider.
-    pub step: f64,
+    /// Unit, range and help.
+    pub quantity: &'static Quantity,
 }
 
 /// Why a change was refused.
@@ -51,129 +44,85 @@ pub enum TuningError {
         allowed: String,
     },
     /// The value is NaN, infinite or outside its range.
-    #[error("{name} = {found} refused: expected a finite value in {min}..={max} {unit}")]
-    OutOfRange {
-        /// Parameter.
-        name: String,
-        /// What was asked for.
-        found: f64,
-        /// Smallest allowed value.
-        min: f64,
-        /// Largest allowed value.
-        max: f64,
-        /// Unit.
-        unit: &'static str,
-    },
+    #[error(transparent)]
+    OutOfRange(#[from] OutOfRange),
 }
 
-/// Scalar parameters: name, group, label, unit, help, min, max, step.
-type Row = (&'static str, &'static str, &'static str, &'static str, &'static str, f64, f64, f64);
+/// A gain that is one number, named as its quantity.
+struct Scalar {
+    quantity: &'static Quantity,
+    group: &'static str,
+    label: &'static str,
+    slot: fn(&mut Tuning) -> Slot<'_>,
+}
 
-const SCALARS: [Row; 12] = [
-    ("leak", "Robust term", "ν", "1/s", "leak of the adaptive gain σ̂", 0.1, 20.0, 0.05),
-    (
-        "robust_gain_initial",
-        "Robust term",
-        "σ̂(0)",
-        "",
-        "adaptive gain at the start; a change sets σ̂ now",
-        0.001,
-        10.0,
-        0.01,
-    ),
-    ("robust_gain_cap", "Robust term", "σ̂ cap", "", "largest adaptive gain", 0.05, 1e6, 0.05),
-    (
-        "boundary_layer",
-        "Robust term",
-        "boundary layer",
-        "",
-        "‖s‖ below which the robust term is linear",
-        1e-6,
-        5.0,
-        0.01,
-    ),
-    (
-        "residual_bandwidth_hz",
-        "Adapter",
-        "r̂ low-pass",
-        "Hz",
-        "corner of the low-pass on r̂",
-        0.1,
-        50.0,
-        0.1,
-    ),
-    (
-        "residual_filter_on",
-        "Adapter",
-        "r̂ filter",
-        "",
-        "1: r̂ passes the low-pass, 0: r̂ is taken as it is",
-        0.0,
-        1.0,
-        1.0,
-    ),
-    ("forgetting", "Adapter", "λ", "", "forgetting factor of the RLS step", 0.9, 1.0, 0.0005),
-    ("reset_scale", "Adapter", "σ₀", "", "covariance after a reset is σ₀ I", 0.001, 100.0, 0.01),
-    (
-        "reset_threshold",
-        "Adapter",
-        "δ",
-        "",
-        "mean innovation at which the covariance is reset",
-        0.01,
-        1000.0,
-        0.01,
-    ),
-    (
-        "innovation_smoothing",
-        "Adapter",
-        "α",
-        "",
-        "weight of the old value in the mean innovation",
-        0.0,
-        0.999,
-        0.001,
-    ),
-    ("reset_on", "Adapter", "reset", "", "1: the covariance may be reset, 0: never", 0.0, 1.0, 1.0),
-    ("adapter_on", "Adapter", "LRA", "", "1: adapts, 0: base forecast only", 0.0, 1.0, 1.0),
+const fn scalar(
+    quantity: &'static Quantity,
+    group: &'static str,
+    label: &'static str,
+    slot: fn(&mut Tuning) -> Slot<'_>,
+) -> Scalar {
+    Scalar { quantity, group, label, slot }
+}
+
+const ROBUST: &str = "Robust term";
+const ADAPTER: &str = "Adapter";
+
+/// In the order they are shown.
+static SCALARS: [Scalar; 12] = [
+    scalar(&quantity::LEAK, ROBUST, "ν", |t| Slot::Number(&mut t.gains.leak)),
+    scalar(&quantity::ROBUST_GAIN_INITIAL, ROBUST, "σ̂(0)", |t| {
+        Slot::Number(&mut t.gains.robust_gain_initial)
+    }),
+    scalar(&quantity::ROBUST_GAIN_CAP, ROBUST, "σ̂ cap", |t| {
+        Slot::Number(&mut t.gains.robust_gain_cap)
+    }),
+    scalar(&quantity::BOUNDARY_LAYER, ROBUST, "boundary layer", |t| {
+        Slot::Number(&mut t.gains.boundary_layer)
+    }),
+    scalar(&quantity::RESIDUAL_BANDWIDTH, ADAPTER, "r̂ low-pass", |t| {
+        Slot::Number(&mut t.gains.residual_bandwidth_hz)
+    }),
+    scalar(&quantity::RESIDUAL_FILTER_ON, ADAPTER, "r̂ filter", |t| {
+        Slot::Switch(&mut t.gains.residual_filter_on)
+    }),
+    scalar(&quantity::FORGETTING, ADAPTER, "λ", |t| Slot::Number(&mut t.adapter.forgetting)),
+    scalar(&quantity::RESET_SCALE, ADAPTER, "σ₀", |t| Slot::Number(&mut t.adapter.reset_scale)),
+    scalar(&quantity::RESET_THRESHOLD, ADAPTER, "δ", |t| {
+        Slot::Number(&mut t.adapter.reset_threshold)
+    }),
+    scalar(&quantity::INNOVATION_SMOOTHING, ADAPTER, "α", |t| {
+        Slot::Number(&mut t.adapter.innovation_smoothing)
+    }),
+    scalar(&quantity::RESET_ON, ADAPTER, "reset", |t| Slot::Switch(&mut t.adapter.reset_enabled)),
+    scalar(&quantity::ADAPTER_ON, ADAPTER, "LRA", |t| Slot::Switch(&mut t.adapter.enabled)),
 ];
 
 impl Tuning {
     /// Every value an operator may change, in the order it is shown.
     pub fn parameters() -> Vec<Parameter> {
-        let rows = |stem: &'static str,
-                    group: &'static str,
-                    letter: &str,
-                    max: f64,
-                    help: &'static str| {
-            ROWS.iter()
-                .map(|row| Parameter {
-                    name: format!("{stem}.{row}"),
-                    group,
-                    label: format!("{letter} {}", symbol(row)),
-                    unit: if stem == "slope" { "1/s" } else { "" },
-                    help,
-                    min: 0.0,
-                    max,
-                    step: 0.05,
-                })
-                .collect::<Vec<_>>()
-        };
-        let mut all = rows("slope", "Φ error slope", "Φ", 20.0, "pull of the error in s = ė + Φe");
-        all.extend(rows("damping", "Λ damping", "Λ", 60.0, "force per sliding variable"));
-        all.extend(SCALARS.iter().map(|&(name, group, label, unit, help, min, max, step)| {
-            Parameter {
-                name: name.to_owned(),
+        let rows = |stem: &'static str, group: &'static str, letter: &'static str| {
+            ROWS.iter().enumerate().map(move |(index, row)| Parameter {
+                name: format!("{stem}.{row}"),
                 group,
-                label: label.to_owned(),
-                unit,
-                help,
-                min,
-                max,
-                step,
-            }
-        }));
-        all
+                label: format!("{letter} {}", symbol(row)),
+                quantity: match (stem, index) {
+                    ("slope", _) => &quantity::SLOPE,
+                    (_, 0..3) => &quantity::DAMPING_OF_TRANSLATION,
+                    _ => &quantity::DAMPING_OF_ROTATION,
+                },
+            })
+        };
+        let scalars = SCALARS.iter().map(|scalar| Parameter {
+            name: scalar.quantity.name.to_owned(),
+            group: scalar.group,
+            label: scalar.label.to_owned(),
+            quantity: scalar.quantity,
+        });
+        rows("slope", "Φ error slope", "Φ")
+            .chain(rows("damping", "Λ damping", "Λ"))
+            .chain(scalars)
+            .collect()
     }
 
     /// The value in force of `name`; `None` if there is no such parameter.
@@ -195,15 +144,7 @@ impl Tuning {
                 allowed,
             });
         };
-        if !(value.is_finite() && value >= parameter.min && value <= parameter.max) {
-            return Err(TuningError::OutOfRange {
-                name: name.to_owned(),
-                found: value,
-                min: parameter.min,
-                max: parameter.max,
-                unit: parameter.unit,
-            });
-        }
+        parameter.quantity.check_as(name, value)?;
         if let Some(slot) = self.slot(name) {
             slot.write(value);
         }
@@ -211,35 +152,16 @@ impl Tuning {
     }
 
     fn slot(&mut self, name: &str) -> Option<Slot<'_>> {
-        let (gains, adapter) = (&mut self.gains, &mut self.adapter);
-        let number = match name.split_once('.') {
-            Some((stem, row)) => {
-                let i = ROWS.iter().position(|r| *r == row)?;
-                match stem {
-                    "slope" => &mut gains.slope[i],
-                    "damping" => &mut gains.damping[i],
-                    _ => return None,
-                }
-            }
-            None => match name {
-                "leak" => &mut gains.leak,
-                "robust_gain_initial" => &mut gains.robust_gain_initial,
-                "robust_gain_cap" => &mut gains.robust_gain_cap,
-                "boundary_layer" => &mut gains.boundary_layer,
-                "residual_bandwidth_hz" => &mut gains.residual_bandwidth_hz,
-                "forgetting" => &mut adapter.forgetting,
-                "reset_scale" => &mut adapter.reset_scale,
-                "reset_threshold" => &mut adapter.reset_threshold,
-                "innovation_smoothing" => &mut adapter.innovation_smoothing,
-                "residual_filter_on" => {
-                    return Some(Slot::Switch(&mut gains.residual_filter_on));
-                }
-                "reset_on" => return Some(Slot::Switch(&mut adapter.reset_enabled)),
-                "adapter_on" => return Some(Slot::Switch(&mut adapter.enabled)),
-                _ => return None,
-            },
+        let Some((stem, row)) = name.split_once('.') else {
+            let scalar = SCALARS.iter().find(|scalar| scalar.quantity.name == name)?;
+            return Some((scalar.slot)(self));
         };
-        Some(Slot::Number(number))
+        let row = ROWS.iter().position(|known| *known == row)?;
+        match stem {
+            "slope" => Some(Slot::Number(&mut self.gains.slope[row])),
+            "damping" => Some(Slot::Number(&mut self.gains.damping[row])),
+            _ => None,
+        }
     }
 }
 
@@ -290,8 +212,9 @@ mod tests {
         for parameter in Tuning::parameters() {
             let mut t = tuning();
             let now = t.get(&parameter.name).expect(&parameter.name);
-            assert!(now >= parameter.min && now <= parameter.max, "{}: {now}", parameter.name);
-            for value in [parameter.min, parameter.max] {
+            let Quantity { min, max, .. } = *parameter.quantity;
+            assert!(now >= min && now <= max, "{}: {now}", parameter.name);
+            for value in [min, max] {
                 t.set(&parameter.name, value).expect(&parameter.name);
                 assert_eq!(t.get(&parameter.name), Some(value), "{}", parameter.name);
             }

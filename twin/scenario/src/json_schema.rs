@@ -1,14 +1,14 @@
 //! The format of a scenario as JSON Schema, for editors; derived from the text of the defaults, which is the schema that files
-//! are read by, the ranges of `limits` and the words that each key's type knows.
+//! are read by, the ranges of the registry of quantities and the words that each key's type knows.
 
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
 use super::document::{Entry, Node, Place};
-use super::limits;
 use super::merge::Schema;
 use super::settings::Settings;
 use twin_core::notation::ROWS;
+use twin_core::quantity;
 
 /// The schema as text.
 pub fn json_schema() -> String {
@@ -105,21 +105,22 @@ impl Writer {
 }
 
 fn with_range(kind: &str, path: &[String]) -> Value {
-    // The gains of the eight rows have ranges of their own; an editor is told of their union.
-    let indexed = path.last().is_some_and(|last| last == "0") && path[0] == "gains";
-    let places: Vec<Vec<String>> = if indexed {
-        let stem = &path[..path.len() - 1];
-        (0..ROWS.len()).map(|index| [stem, &[index.to_string()]].concat()).collect()
-    } else {
-        vec![path.to_vec()]
+    // The rows of a list may have ranges of their own; an editor is told of their union.
+    let places: Vec<Vec<String>> = match path.split_last() {
+        Some((last, stem)) if last == "0" => {
+            (0..ROWS.len()).map(|index| [stem, &[index.to_string()]].concat()).collect()
+        }
+        _ => vec![path.to_vec()],
     };
-    let ranges: Vec<(f64, f64)> = places
-        .iter()
-        .filter_map(|place| limits::range(place).map(|(min, max, _)| (min, max)))
-        .collect();
-    let min = ranges.iter().map(|(min, _)| *min).reduce(f64::min);
-    let max = ranges.iter().map(|(_, max)| *max).reduce(f64::max);
+    let bounds: Vec<quantity::Bounds> =
+        places.iter().filter_map(|place| quantity::at(place)).collect();
+    let min = bounds.iter().map(|bounds| bounds.quantity.min).reduce(f64::min);
+    let max = bounds.iter().map(|bounds| bounds.quantity.max).reduce(f64::max);
     match (min, max) {
+        (Some(min), Some(max)) if bounds.iter().any(|bounds| bounds.or_none) => {
+            let range = json!({ "minimum": min, "maximum": max });
+            json!({ "type": kind, "anyOf": [{ "const": 0 }, range] })
+        }
         (Some(min), Some(max)) => json!({ "type": kind, "minimum": min, "maximum": max }),
         _ => json!({ "type": kind }),
     }
@@ -137,7 +138,8 @@ mod tests {
             at("/properties/task/properties/kind/enum"),
             json!(["pick_place", "hover", "path", "excitation"])
         );
-        assert_eq!(at("/properties/payload/properties/mass_kg/maximum"), json!(1.0));
+        let mass = at("/properties/payload/properties/mass_kg/anyOf");
+        assert_eq!(mass, json!([{ "const": 0 }, { "minimum": 0.001, "maximum": 2.0 }]));
         assert_eq!(
             at("/properties/payload/properties/mass_kg/description"),
             json!("0: no payload")
@@ -147,6 +149,52 @@ mod tests {
         assert_eq!(at(&format!("{faults}/when/properties/phase/type")), json!("string"));
         assert_eq!(at("/properties/bounds/additionalProperties/type"), json!("object"));
         assert_eq!(at("/additionalProperties"), json!(false));
+    }
+
+    /// Dotted keys of all numbers below `schema`, indices of lists as 0, each with its own part of the schema.
+    fn numbers(schema: &Value, path: &[String], found: &mut Vec<(Vec<String>, Value)>) {
+        let kind = schema["type"].as_str().unwrap_or_default();
+        if ["number", "integer"].contains(&kind) {
+            found.push((path.to_vec(), schema.clone()));
+        }
+        let inner = |key: &str| [path, &[key.to_owned()]].concat();
+        for (key, schema) in schema["properties"].as_object().into_iter().flatten() {
+            numbers(schema, &inner(key), found);
+        }
+        for (part, key) in [("items", "0"), ("additionalProperties", "any")] {
+            if schema[part].is_object() {
+                numbers(&schema[part], &inner(key), found);
+            }
+        }
+    }
+
+    /// Of any number: the limits of any metric or signal, and the values of any key that a sweep varies.
+    const FREE: [&str; 7] = [
+        "bounds.any.max",
+        "bounds.any.min",
+        "checks.0.max",
+        "checks.0.min",
+        "sweep.ranges.0.from",
+        "sweep.ranges.0.to",
+        "sweep.ranges.0.values.0",
+    ];
+
+    #[test]
+    fn every_number_of_the_schema_has_the_range_of_its_quantity() {
+        let schema: Value = serde_json::from_str(&json_schema()).unwrap();
+        let mut found = Vec::new();
+        numbers(&schema, &[], &mut found);
+        assert!(found.len() > 100, "{}", found.len());
+        for (path, schema) in found {
+            let key = path.join(".");
+            let Some(bounds) = quantity::at(&path) else {
+                assert!(FREE.contains(&key.as_str()), "{key} has no range");
+                continue;
+            };
+            let range = if bounds.or_none { &schema["anyOf"][1] } else { &schema };
+            let told = [range["minimum"].as_f64(), range["maximum"].as_f64()];
+            assert_eq!(told, [Some(bounds.quantity.min), Some(bounds.quantity.max)], "{key}");
+        }
     }
 
     #[test]

@@ -7,7 +7,6 @@ pub mod plot;
 pub mod sweep;
 mod ending;
 pub mod settings;
-mod limits;
 mod document;
 mod merge;
 pub mod file;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::document::{Entry, Node, Place, dotted};
-use super::limits;
+use twin_core::quantity;
 
 /// What is wrong with one key.
 #[derive(Debug)]
@@ -236,12 +236,14 @@ fn check_values(entry: &Entry, path: &mut Vec<String>) -> Result<(), Finding> {
         Node::Number(value) => *value,
         Node::Switch(_) | Node::Text(_) | Node::Date(_) => return Ok(()),
     };
-    let violation = limits::violation(path, value);
-    let finite = value.is_finite();
-    let (allowed, hint) = match violation {
-        _ if !finite => ("a finite number".to_owned(), String::new()),
-        Some(violation) => violation,
-        None => return Ok(()),
+    let bounds = quantity::at(path);
+    let (allowed, hint) = match bounds {
+        _ if !value.is_finite() => ("a finite number".to_owned(), String::new()),
+        Some(bounds) if !bounds.allow(value) => {
+            let slip = bounds.quantity.slip(value);
+            (bounds.words(), slip.map_or_else(String::new, |slip| format!("; {slip}")))
+        }
+        _ => return Ok(()),
     };
     Err(Finding { place: entry.place, key: dotted(path), found: value.to_string(), allowed, hint })
 }

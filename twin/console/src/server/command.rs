@@ -2,30 +2,10 @@
 
 use crate::server::gains::{self, Change};
 use crate::server::protocol::{ClientMessage, PresetName, ScenarioInfo};
+use twin_core::quantity::{self, OutOfRange};
 use twin_core::source::Disturbance;
 use twin_core::tuning::{Tuning, TuningError};
 use twin_scenario::Preset;
-
-/// Ticks of one `step` at most.
-const MOST_STEPS: u32 = 1000;
-
-/// Allowed speed factors.
-const SPEEDS: std::ops::RangeInclusive<f64> = 0.01..=100.0;
-
-/// Largest payload, kg.
-const MOST_PAYLOAD_KG: f64 = 2.0;
-
-/// Strongest wind along one axis, m/s.
-const MOST_WIND_M_S: f64 = 25.0;
-
-/// Strongest push along one axis, N.
-const MOST_PUSH_N: f64 = 100.0;
-
-/// Longest push, s.
-const LONGEST_PUSH_S: f64 = 10.0;
-
-/// Latest time of a recording, s.
-const LATEST_S: f64 = 1e6;
 
 /// Effects that can be switched.
 pub(super) const EFFECTS: [&str; 5] =
@@ -79,19 +59,8 @@ pub(super) enum CommandError {
     #[error("disturb failure refused: write it into the scenario as [[faults]]")]
     Failure,
     /// A number outside its limits.
-    #[error("{what} = {found} refused: expected a finite value in {min}..={max} {unit}")]
-    OutOfRange {
-        /// Name of the number.
-        what: &'static str,
-        /// What was asked for.
-        found: f64,
-        /// Smallest allowed value.
-        min: f64,
-        /// Largest allowed value.
-        max: f64,
-        /// Unit.
-        unit: &'static str,
-    },
+    #[error(transparent)]
+    OutOfRange(#[from] OutOfRange),
     /// A scenario that was not offered.
     #[error("scenario {name:?} refused: not among the offered ones; allowed: {allowed}")]
     UnknownScenario {
@@ -127,18 +96,12 @@ pub(super) fn check(
         ClientMessage::Preset { name } => Command::Change(Change::Preset(preset(name)?)),
         ClientMessage::Pause { paused } => Command::Pause(paused),
         ClientMessage::Step { ticks } => {
-            within("step.ticks", f64::from(ticks), 1.0, f64::from(MOST_STEPS), "ticks")?;
+            quantity::STEP_TICKS.check(f64::from(ticks))?;
             Command::Step(ticks)
         }
         ClientMessage::Speed { value } => {
             if let Some(factor) = value {
-                within(
-                    "speed.value",
-                    factor,
-                    *SPEEDS.start(),
-                    *SPEEDS.end(),
-                    "times real time, or null",
-                )?;
+                quantity::SPEED.check(factor)?;
             }
             Command::Speed(value)
         }
@@ -149,7 +112,7 @@ pub(super) fn check(
             Command::Restart { seed, scenario }
         }
         ClientMessage::Seek { t_s } => {
-            within("seek.t_s", t_s, 0.0, LATEST_S, "s")?;
+            quantity::SEEK_TIME.check(t_s)?;
             Command::Seek(t_s)
         }
         ClientMessage::Disturb { disturbance } => {
@@ -174,36 +137,17 @@ fn known_scenario(name: &str, catalogue: &[ScenarioInfo]) -> Result<(), CommandE
 
 fn harmless(disturbance: &Disturbance) -> Result<(), CommandError> {
     match disturbance {
-        Disturbance::PayloadMass { kg } => {
-            within("payload mass", *kg, 0.001, MOST_PAYLOAD_KG, "kg")
+        Disturbance::Failure { .. } => return Err(CommandError::Failure),
+        Disturbance::Effect { name, .. } if !EFFECTS.contains(&name.as_str()) => {
+            let allowed = EFFECTS.join(", ");
+            return Err(CommandError::UnknownEffect { name: shortened(name), allowed });
         }
-        Disturbance::Wind { velocity_m_s } => velocity_m_s
-            .iter()
-            .try_for_each(|&v| within("wind", v, -MOST_WIND_M_S, MOST_WIND_M_S, "m/s")),
-        Disturbance::Push { force_n, duration_s } => {
-            force_n.iter().try_for_each(|&f| within("push", f, -MOST_PUSH_N, MOST_PUSH_N, "N"))?;
-            within("push duration", *duration_s, 0.0, LONGEST_PUSH_S, "s")
-        }
-        Disturbance::DropPayload => Ok(()),
-        Disturbance::Effect { name, .. } if EFFECTS.contains(&name.as_str()) => Ok(()),
-        Disturbance::Failure { .. } => Err(CommandError::Failure),
-        Disturbance::Effect { name, .. } => {
-            Err(CommandError::UnknownEffect { name: shortened(name), allowed: EFFECTS.join(", ") })
-        }
+        _ => {}
     }
-}
-
-fn within(
-    what: &'static str,
-    found: f64,
-    min: f64,
-    max: f64,
-    unit: &'static str,
-) -> Result<(), CommandError> {
-    if found.is_finite() && found >= min && found <= max {
-        return Ok(());
+    for (quantity, value) in disturbance.numbers() {
+        quantity.check(value)?;
     }
-    Err(CommandError::OutOfRange { what, found, min, max, unit })
+    Ok(())
 }
 
 fn shortened(name: &str) -> String {
@@ -252,7 +196,7 @@ mod tests {
             ),
             (
                 r#"{"type":"disturb","disturbance":{"kind":"wind","velocity_m_s":[0,0,99]}}"#,
-                "-25..=25 m/s",
+                "-30..=30 m/s",
             ),
             (
                 r#"{"type":"disturb","disturbance":{"kind":"effect","name":"gravity","on":false}}"#,
@@ -266,6 +210,69 @@ mod tests {
         for (text, allowed) in refused {
             let error = checked(text).expect_err(text).to_string();
             assert!(error.contains(allowed), "{text}: {error}");
+        }
+    }
+
+    /// The message of a client that carries `value` at `place`, such as `disturb.push.force_n`.
+    fn carrying(place: &str, value: f64) -> String {
+        let segments: Vec<&str> = place.split('.').collect();
+        let list = |field: &str| match field {
+            "velocity_m_s" | "force_n" => format!("[0.0, 0.0, {value:?}]"),
+            // A whole number of ticks is written without a point.
+            "ticks" => format!("{value}"),
+            _ => format!("{value:?}"),
+        };
+        match segments[..] {
+            ["disturb", kind, field] => {
+                let others = match field {
+                    "force_n" => r#""duration_s":1.0,"#,
+                    "duration_s" => r#""force_n":[0.0,0.0,0.0],"#,
+                    _ => "",
+                };
+                let disturbance =
+                    format!(r#"{{"kind":"{kind}",{others}"{field}":{}}}"#, list(field));
+                format!(r#"{{"type":"disturb","disturbance":{disturbance}}}"#)
+            }
+            [kind, field] => format!(r#"{{"type":"{kind}","{field}":{}}}"#, list(field)),
+            _ => panic!("{place}"),
+        }
+    }
+
+    #[test]
+    fn a_client_is_held_to_the_range_of_every_number_it_may_send() {
+        let mut places = 0;
+        for quantity in quantity::all() {
+            for place in quantity.messages {
+                let [min, max] = [quantity.min, quantity.max];
+                for value in [min, max] {
+                    let text = carrying(place, value);
+                    assert!(matches!(checked(&text), Ok(Some(_))), "{text}: {:?}", checked(&text));
+                }
+                for value in [min - 1.0, max + 1.0] {
+                    let text = carrying(place, value);
+                    let error = checked(&text).expect_err(&text).to_string();
+                    assert!(error.contains(quantity.name), "{text}: {error}");
+                    assert!(error.contains(&quantity.range()), "{text}: {error}");
+                }
+                places += 1;
+            }
+        }
+        assert_eq!(places, 7, "payload mass, wind, push (two), step, speed, seek");
+    }
+
+    #[test]
+    fn a_scenario_is_held_to_the_same_ranges_as_a_client() {
+        for quantity in quantity::all() {
+            for place in quantity.messages {
+                let Some(field) =
+                    place.strip_prefix("disturb.").and_then(|place| place.split('.').next_back())
+                else {
+                    continue;
+                };
+                let path = ["disturbances", "0", field].map(str::to_owned);
+                let bounds = quantity::at(&path).expect(place);
+                assert_eq!(bounds, quantity::Bounds { quantity, or_none: false }, "{place}");
+            }
         }
     }
 }

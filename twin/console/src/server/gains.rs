@@ -6,6 +6,7 @@
 use crate::server::ledger::Ledger;
 use crate::server::protocol::{GainEcho, GainInfo, GainList, PresetName};
 use twin_core::flight::Flight;
+use twin_core::quantity::Quantity;
 use twin_core::tick::{Event, EventKind};
 use twin_core::tuning::{Tuning, TuningError};
 use twin_scenario::{Preset, Scenario};
@@ -99,11 +100,11 @@ impl Desk {
                 name: parameter.name,
                 label: parameter.label,
                 group: parameter.group.to_owned(),
-                unit: parameter.unit.to_owned(),
-                help: parameter.help.to_owned(),
-                min: parameter.min,
-                max: parameter.max,
-                step: parameter.step,
+                unit: parameter.quantity.unit.to_owned(),
+                help: parameter.quantity.help.to_owned(),
+                min: parameter.quantity.min,
+                max: parameter.quantity.max,
+                step: parameter.quantity.step,
             })
             .collect()
     }
@@ -209,8 +210,8 @@ fn shown(tuning: &Tuning, name: &str) -> f64 {
 fn within_ranges(tuning: &Tuning) -> Tuning {
     let mut inside = *tuning;
     for parameter in Tuning::parameters() {
-        let value =
-            inside.get(&parameter.name).map(|value| value.clamp(parameter.min, parameter.max));
+        let Quantity { min, max, .. } = *parameter.quantity;
+        let value = inside.get(&parameter.name).map(|value| value.clamp(min, max));
         if let Some(Err(error)) = value.map(|value| inside.set(&parameter.name, value)) {
             tracing::warn!("a value in force is not usable: {error}");
         }
@@ -243,7 +244,7 @@ mod tests {
         for value in [f64::NAN, f64::INFINITY, -0.5, 1e30] {
             assert!(matches!(
                 check(&tuning(Preset::Paper), "slope.x".to_owned(), value),
-                Err(TuningError::OutOfRange { .. })
+                Err(TuningError::OutOfRange(_))
             ));
         }
         assert!(matches!(

@@ -1,0 +1,70 @@
+//! What changes the world or the clock of a flight: by a scenario, by its time, or by a client.
+
+use super::Quantity;
+
+/// Payload in the world or in the hand.
+pub static PAYLOAD_MASS: Quantity = Quantity::new(
+    "payload_mass",
+    "kg",
+    [0.001, 2.0],
+    "mass of the payload",
+    &["disturbances.kg", "task.least_payload_kg"],
+)
+.or_none_at(&["payload.mass_kg"])
+.step(0.01)
+.sent_as(&["disturb.payload_mass.kg"]);
+
+/// Air in the world: mean, gusts and turbulence alike.
+pub static WIND: Quantity = Quantity::new(
+    "wind",
+    "m/s",
+    [-30.0, 30.0],
+    "velocity of the air along an axis",
+    &["wind.*_m_s", "disturbances.velocity_m_s", "faults.velocity_m_s"],
+)
+.step(0.5)
+.sent_as(&["disturb.wind.velocity_m_s"]);
+
+/// A push on the base.
+pub static PUSH_FORCE: Quantity = Quantity::new(
+    "push_force",
+    "N",
+    [-100.0, 100.0],
+    "force of a push along an axis",
+    &["disturbances.force_n"],
+)
+.step(0.5)
+.sent_as(&["disturb.push.force_n"]);
+
+/// How long a push lasts.
+pub static PUSH_DURATION: Quantity = Quantity::new(
+    "push_duration",
+    "s",
+    [0.0, 10.0],
+    "how long a push lasts",
+    &["disturbances.duration_s"],
+)
+.step(0.05)
+.sent_as(&["disturb.push.duration_s"]);
+
+/// Ticks of one `step`.
+pub static STEP_TICKS: Quantity =
+    Quantity::new("step_ticks", "ticks", [1.0, 1000.0], "ticks that a paused flight flies", &[])
+        .step(1.0)
+        .sent_as(&["step.ticks"]);
+
+/// Speed of the flight's clock.
+pub static SPEED: Quantity =
+    Quantity::new("speed", "× real time", [0.01, 100.0], "simulated seconds per second", &[])
+        .step(0.01)
+        .sent_as(&["speed.value"]);
+
+/// A time of a recording.
+pub static SEEK_TIME: Quantity =
+    Quantity::new("seek_time", "s", [0.0, 1e6], "time of a recording to go to", &[])
+        .step(0.01)
+        .sent_as(&["seek.t_s"]);
+
+/// All of them.
+pub(super) static ALL: [&Quantity; 7] =
+    [&PAYLOAD_MASS, &WIND, &PUSH_FORCE, &PUSH_DURATION, &STEP_TICKS, &SPEED, &SEEK_TIME];
