@@ -131,6 +131,10 @@ tick_s: number,
  */
 horizon_ticks: number, 
 /**
+ * Ranges of the numbers that messages carry; those of gains stand with the gains.
+ */
+quantities: Array<QuantityInfo>, 
+/**
  * Effects that a disturbance of kind `effect` may switch.
  */
 effects: Array<string>, 
@@ -162,6 +166,39 @@ state: StateInfo,
  * The last events, oldest first.
  */
 events: Array<EventInfo>, };
+
+/**
+ * A number that messages of a client carry, with what bounds it.
+ */
+export type QuantityInfo = { 
+/**
+ * Unique name, `payload_mass`.
+ */
+name: string, 
+/**
+ * Unit, empty if none.
+ */
+unit: string, 
+/**
+ * What it says, in a few words.
+ */
+help: string, 
+/**
+ * Smallest allowed value.
+ */
+min: number, 
+/**
+ * Largest allowed value.
+ */
+max: number, 
+/**
+ * Step of a slider.
+ */
+step: number, 
+/**
+ * The messages that carry it: type, kind of a disturbance, field.
+ */
+messages: Array<string>, };
 
 /**
  * A real flight from a recording: the loop predicts and adapts beside it, and acts on nothing.

@@ -16,11 +16,12 @@ import { notify } from "./notices";
 import { overrideDialog } from "./override";
 import { CommandPalette } from "./palette";
 import type { Sources, Verb } from "./paletteItems";
+import { magnitude, rangeOf, scaled } from "./ranges";
 import { startRestart } from "./restart";
 import { startTabs, type Tabs } from "./tabs";
 import { Timing } from "./timing";
 import type { TopBar } from "./topbar";
-import { WorldPanel } from "./worldPanel";
+import { GRAMS_PER_KG, WorldPanel } from "./worldPanel";
 
 export class Workbench {
   readonly gains: GainPanel;
@@ -164,11 +165,15 @@ export class Workbench {
   }
 
   private verbs(): Verb[] {
+    const { hello } = this.store;
+    const [clock, payload, wind] = [rangeOf(hello, "speed"), rangeOf(hello, "payload_mass"), rangeOf(hello, "wind")];
+    if (clock === null || payload === null || wind === null) return [];
+    const grams = scaled(payload, GRAMS_PER_KG);
     return [
       { word: "seed", unit: "", tunes: false, min: 0, max: Number.MAX_SAFE_INTEGER, describe: (seed) => `Restart with seed ${seed}`, run: (seed) => this.bar.restart(Math.round(seed)) },
-      { word: "speed", unit: "× real time", tunes: false, min: 0.01, max: 100, describe: (speed) => `Fly at ${speed}× real time`, run: (value) => this.link.send({ type: "speed", value }) },
-      { word: "payload", unit: "g", tunes: true, min: 1, max: 2000, describe: (grams) => `Payload of ${grams} g`, run: (grams) => this.world.setPayload(grams) },
-      { word: "wind", unit: "m/s", tunes: true, min: 0, max: 25, describe: (speed) => `Wind of ${speed} m/s`, run: (speed) => this.world.setWindSpeed(speed) },
+      { ...clock, word: "speed", tunes: false, describe: (speed) => `Fly at ${speed}× real time`, run: (value) => this.link.send({ type: "speed", value }) },
+      { ...grams, word: "payload", unit: "g", tunes: true, describe: (mass) => `Payload of ${mass} g`, run: (mass) => this.world.setPayload(mass) },
+      { ...magnitude(wind), word: "wind", unit: wind.unit, tunes: true, describe: (speed) => `Wind of ${speed} m/s`, run: (speed) => this.world.setWindSpeed(speed) },
     ];
   }
 }

@@ -1,10 +1,12 @@
-// The world tab: payload, wind, effects. What is shown is what the server says is in force; a change is a request.
+// The world tab: payload, wind, effects. What is shown is what the server says is in force, within the ranges that it gives; a
+// change is a request.
 import type { Store } from "../data/store";
 import type { ClientMessage, Disturbance, StateInfo } from "../protocol";
 import { byId, element, setText } from "./dom";
+import { magnitude, type Range, rangeOf, scaled } from "./ranges";
 import { compassPoint, windForm, type WindForm, windText, windVector } from "./wind";
 
-const GRAMS_PER_KG = 1000;
+export const GRAMS_PER_KG = 1000;
 /** Speeds an operator asks for most, m/s. */
 const WIND_PRESETS = [0, 3, 6];
 /** A request without an answer for this long is given up, ms: the panel then shows the server's word again. */
@@ -42,6 +44,7 @@ export class WorldPanel {
 
   /** Another flight, other effects. */
   rebuild(): void {
+    this.showRanges();
     const boxes = (this.store.hello?.effects ?? []).map((name) => {
       const box = element("input", { type: "checkbox", id: `effect-${name}` });
       box.addEventListener("change", () => this.disturb({ kind: "effect", name, on: box.checked }));
@@ -50,6 +53,16 @@ export class WorldPanel {
     byId("effects").replaceChildren(...boxes);
     this.heldUntil = 0;
     this.show();
+  }
+
+  private showRanges(): void {
+    const { hello } = this.store;
+    const payload = rangeOf(hello, "payload_mass");
+    if (payload !== null) bound(this.payload, scaled(payload, GRAMS_PER_KG));
+    const wind = rangeOf(hello, "wind");
+    if (wind === null) return;
+    bound(this.speed, magnitude(wind));
+    bound(this.up, wind);
   }
 
   setPayload(grams: number): void {
@@ -121,6 +134,14 @@ export class WorldPanel {
 
 function pair(id: string): Pair {
   return { slider: byId<HTMLInputElement>(id), field: byId<HTMLInputElement>(`${id}-number`) };
+}
+
+/** The slider stands on multiples of its step, from the first that is allowed; the field takes any number of the range. */
+function bound({ slider, field }: Pair, { min, max, step }: Range): void {
+  slider.min = String(Math.ceil(min / step) * step);
+  slider.step = String(step);
+  field.min = String(min);
+  slider.max = field.max = String(max);
 }
 
 function put({ slider, field }: Pair, value: number): void {

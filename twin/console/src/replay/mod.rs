@@ -246,6 +246,7 @@ fn hello(
         tick_s: TICK_S,
         horizon_ticks: HORIZON as u32,
         mirror: None,
+        quantities: Vec::new(),
         effects: Vec::new(),
         scene,
         channels: channels.infos().to_vec(),

@@ -6,6 +6,7 @@
 
 mod twin_info;
 pub mod protocol;
+mod quantity_info;
 mod ledger;
 mod gains;
 mod command;

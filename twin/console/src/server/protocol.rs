@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use ts_rs::TS;
 
+pub use crate::server::quantity_info::QuantityInfo;
 pub use crate::server::twin_info::{TwinAxis, TwinInfo};
 use twin_core::source::Disturbance;
 use twin_core::tick::EventKind;
@@ -151,6 +152,8 @@ pub struct Hello {
     pub tick_s: f64,
     /// How far the channels `ahead.*` look into the future, ticks.
     pub horizon_ticks: u32,
+    /// Ranges of the numbers that messages carry; those of gains stand with the gains.
+    pub quantities: Vec<QuantityInfo>,
     /// Effects that a disturbance of kind `effect` may switch.
     pub effects: Vec<String>,
     /// The recording that is mirrored; `null` if a simulated vehicle flies.

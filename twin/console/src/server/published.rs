@@ -9,6 +9,7 @@ use crate::server::protocol::{
     ChannelInfo, EVENTS_KEPT, EventInfo, GainInfo, Hello, MirrorInfo, PROTOCOL_VERSION, PresetName,
     ScenarioInfo, ServerMessage, StateInfo,
 };
+use crate::server::quantity_info;
 use twin_core::notation::TICK_S;
 use twin_core::residual::HORIZON;
 use twin_record::scene::Scene;
@@ -51,6 +52,7 @@ impl Published {
             scenarios: self.scenarios.to_vec(),
             tick_s: TICK_S,
             horizon_ticks: HORIZON as u32,
+            quantities: quantity_info::list(),
             effects: EFFECTS.map(str::to_owned).to_vec(),
             mirror: self.mirror.as_deref().cloned(),
             scene: (*self.scene).clone(),

@@ -24,6 +24,7 @@ fn text() -> String {
         declaration::<p::ClientMessage>(c),
         declaration::<p::DisturbanceForm>(c),
         declaration::<p::Hello>(c),
+        declaration::<p::QuantityInfo>(c),
         declaration::<p::MirrorInfo>(c),
         declaration::<p::ScenarioInfo>(c),
         declaration::<p::ChannelInfo>(c),
