@@ -46,15 +46,15 @@ impl Compensation {
         };
         let input =
             if gains.clips { gains.safe_set.clip_residual(&input, nominal_gravity) } else { input };
-        self.output = if !gains.residual_filter_on {
-            self.low_pass.reset();
-            input
-        } else {
+        self.output = if gains.residual_filter_on {
             if let Some(known) = &reference.release {
                 // A known jump passes the low-pass at once.
                 self.low_pass.jump(&hold_translation(known, &self.output));
             }
             self.low_pass.step(&input, gains.residual_bandwidth_hz, dt_s)
+        } else {
+            self.low_pass.reset();
+            input
         };
         self.output
     }
