@@ -41,9 +41,10 @@ pub(super) fn default_folder() -> Option<PathBuf> {
 
 pub(super) fn run(args: &ViewersArgs) -> anyhow::Result<End> {
     let ViewersCommand::Fetch { dir, drake } = &args.command;
-    let folder = dir.clone().or_else(default_folder).context(
-        "found neither XDG_CACHE_HOME nor HOME; name a folder with --dir",
-    )?;
+    let folder = dir
+        .clone()
+        .or_else(default_folder)
+        .context("found neither XDG_CACHE_HOME nor HOME; name a folder with --dir")?;
     for wheel in [MESHCAT, VISER].into_iter().chain(drake.then_some(DRAKE)) {
         let target = folder.join(wheel.folder());
         if wheel.files.iter().all(|(_, name)| target.join(name).is_file()) {
