@@ -11,7 +11,7 @@
     clippy::unwrap_used,
     clippy::print_stdout,
     clippy::disallowed_methods,
-    reason = "a bench measures wall-clock time, and uses what it needs of the tests' helpers"
+    reason = "a bench measures wall-clock time, and uses a part of the tests' helpers"
 )]
 
 #[path = "../server/console.rs"]

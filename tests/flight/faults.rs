@@ -21,7 +21,7 @@ const STRAY_M: f64 = 0.15;
 /// Every command that reached the actuators, also between ticks.
 type Commands = Arc<Mutex<Vec<ActuatorCommand>>>;
 
-/// A source that makes one coordinate of one vector of its measurement NaN for a while, and records every command that it gets.
+/// A source that breaks coordinates of its measurement, so that they are not finite for a while. It records every command.
 struct Broken {
     source: Box<dyn Source + Send>,
     breaks: fn(&mut Measurement),
@@ -63,7 +63,7 @@ impl Source for Broken {
     }
 }
 
-/// A predictor whose forecast is NaN for a while.
+/// A predictor that breaks its forecast, so that a number of it is not finite for a while.
 struct Dreaming {
     predictor: Box<dyn Predictor>,
     breaks: fn(&mut Forecast),

@@ -30,7 +30,7 @@ Examples:
 #[derive(Args)]
 #[command(after_help = HELP)]
 #[allow(clippy::struct_excessive_bools, reason = "each is a flag of its own")]
-#[cfg_attr(not(feature = "train"), allow(dead_code, reason = "flags of what is not built"))]
+#[cfg_attr(not(feature = "train"), allow(dead_code, reason = "only training reads them"))]
 pub(super) struct TrainArgs {
     /// Flights: recordings of this program, or real flights that `twin mirror` can read. A folder stands for its files
     /// `collect_*.mcap`, so that the test flight is never trained on.
@@ -113,7 +113,7 @@ impl Part {
 
 /// One training of a command.
 #[allow(clippy::struct_excessive_bools, reason = "each is a flag of its own")]
-#[cfg_attr(not(feature = "train"), allow(dead_code, reason = "places of what is not built"))]
+#[cfg_attr(not(feature = "train"), allow(dead_code, reason = "only training reads them"))]
 struct Job {
     config: TrainConfig,
     out: PathBuf,

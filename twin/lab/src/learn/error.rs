@@ -35,7 +35,7 @@ pub enum LearnError {
         tick: usize,
     },
     /// The metadata of the recording does not hold `M_bar`.
-    #[error("{path}: the metadata names no M_bar (gains.nominal_inertia), so nobody knows what its residuals mean; record the flight again", path = path.display())]
+    #[error("{path}: the metadata does not hold M_bar (gains.nominal_inertia), which its residuals depend on; record the flight again", path = path.display())]
     NoInertia {
         /// The file.
         path: PathBuf,

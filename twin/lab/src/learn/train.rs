@@ -167,7 +167,7 @@ impl<'a> Trainer<'a> {
     /// Runs one epoch; `None` if the observer stopped it.
     #[expect(
         clippy::disallowed_methods,
-        reason = "how long it took, for people; nothing depends on it"
+        reason = "people read the time of an epoch; nothing depends on it"
     )]
     fn epoch(
         &mut self,
