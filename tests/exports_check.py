@@ -1,8 +1,8 @@
-"""Reads what `twin export viser` and `twin export meshcat` wrote with those projects' own Python code.
+"""Reads the files of `twin export viser` and `twin export meshcat` with those projects' own Python code.
 
-viser: the file is taken apart as viser's serializer puts it together; every message is built with viser's own class of
-that name, is one that viser records, and times ascend. MeshCat: every command of the page is one of the stock viewer's.
-In both the vehicle's last pose is the one that the recording has on /tf.
+viser: the file has the structure that viser's serializer writes, every message fits viser's own class of that name and is one
+that viser records, and the times ascend. MeshCat: every command of the page is a command of the stock viewer. In both files the
+last pose of the vehicle is the one that the recording has on /tf.
 
 Usage: exports_check.py FLIGHT.mcap FLIGHT.viser FLIGHT.html        (needs what viewers_check.py and mcap_check.py need)
 """
@@ -23,9 +23,9 @@ from viser import __version__
 
 from viewers_check import ViserClient, check, check_meshcat, fill_buffers, take_buffers
 
-# Poses travel as f32: at 10 m that is 1e-6.
+# Poses are f32: at 10 m their error is 1e-6.
 TOLERANCE = 1e-5
-# A picture may be this much older than the last tick, s: 25 pictures a second.
+# Largest age of a picture relative to the last tick, s: there are 25 pictures a second.
 PICTURE_S = 0.04
 
 
@@ -42,7 +42,7 @@ def told(path):
 
 
 def near(pose, name, poses, what):
-    """The pose is that of `name` at one of the last ticks."""
+    """Checks that the pose is that of `name` at one of the last ticks."""
     times = sorted(t for known, t in poses if known == name)
     for t in [t for t in times if t >= times[-1] - PICTURE_S - 1e-6]:
         position, turn = poses[name, t]

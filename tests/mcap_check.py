@@ -1,7 +1,7 @@
 """Opens a recording with the reference MCAP reader and checks that other tools can use it unaided.
 
 Usage: mcap_check.py FLIGHT.mcap        (needs: mcap, mcap-protobuf-support)
-Exit code 0 and one line of summary if everything holds, 1 with the first thing that does not.
+Exit code 0 and one line of summary if all checks hold, 1 with the first check that fails.
 """
 
 import json
@@ -22,7 +22,7 @@ ATTACHMENTS = {"vehicle.urdf": b"<robot", "scenario.toml": b"seed"}
 START = {"scenario", "seed", "gains", "version", "git", "kernel"}
 END = {"state_hash", "verdict", "ticks", "dropped_ticks"}
 
-# Unit quaternions of f64 are unit to a few roundings.
+# The norm of a unit quaternion in f64 is one up to a few roundings.
 UNIT = 1e-9
 NANOSECOND = 1e-9
 
@@ -89,7 +89,7 @@ def check_messages(reader):
 
 
 class JsonDecoderFactory:
-    """The library decodes protobuf; JSON is one line."""
+    """Decodes JSON; the library decodes protobuf."""
 
     def decoder_for(self, message_encoding, _schema):
         return json.loads if message_encoding == "json" else None

@@ -1,28 +1,28 @@
-//! The one place where a test looks at the clock on the wall: to give up on a server that hangs. No test asserts how long anything
-//! took, because a loaded machine takes longer; a test counts ticks or compares times that messages carry.
+//! The only use of the wall clock in tests: they give up on a server that hangs. No test asserts a duration, because a loaded machine
+//! is slow; a test counts ticks, or compares times that messages carry.
 
 use std::time::{Duration, Instant};
 
-/// Time after which a test that still waits has failed. Nothing here takes longer, also on a machine with ten times the load it can bear.
+/// Time after which a waiting test fails. Every wait here is shorter, even on a machine with ten times its load.
 pub(crate) const PATIENCE: Duration = Duration::from_mins(1);
 
-/// Time that a test still waits.
+/// The time that a test may still wait.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Patience(Instant);
 
 impl Patience {
-    /// All of [`PATIENCE`], from now on.
+    /// The whole [`PATIENCE`], from now on.
     pub(crate) fn new() -> Self {
         Self(clock())
     }
 
-    /// Whether some of it is left.
+    /// Whether time is left.
     pub(crate) fn lasts(self) -> bool {
         self.0.elapsed() < PATIENCE
     }
 }
 
-/// Waits until something holds, and fails with its name if that takes too long.
+/// Waits until `holds` is true; fails with `what` after [`PATIENCE`].
 pub(crate) fn until(what: &str, mut holds: impl FnMut() -> bool) {
     let patience = Patience::new();
     while !holds() {
@@ -31,7 +31,7 @@ pub(crate) fn until(what: &str, mut holds: impl FnMut() -> bool) {
     }
 }
 
-/// The clock on the wall; also for a source whose messages carry its time.
+/// The wall clock; live sources in tests use it for the times of their messages, too.
 #[expect(clippy::disallowed_methods, reason = "patience and live streams are wall-clock time")]
 pub(crate) fn clock() -> Instant {
     Instant::now()

@@ -1,9 +1,9 @@
-"""RMSE and R² of persistence by horizon with NumPy, against the table of `twin evaluate prediction --json`.
+"""Compares RMSE and R² of persistence by horizon, computed with NumPy, with the table of `twin evaluate prediction --json`.
 
     prediction_check.py TABLE.json TEST.csv TRAINING.csv...
 
-The CSV files are `twin export csv` of the recording and of the training recordings, in the order of the table. Nothing of the
-program's arithmetic is used: only the residuals it recorded.
+`twin export csv` writes the CSV files of the recording and of the training recordings, in the order of the table. The check uses
+the residuals that the program recorded, and none of its arithmetic.
 """
 
 import csv

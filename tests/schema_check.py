@@ -1,4 +1,4 @@
-"""Every scenario fits scenarios/schema.json, and slips do not: an independent reader of the published schema."""
+"""Checks with an independent reader that every scenario fits scenarios/schema.json, and that wrong scenarios do not."""
 
 import copy
 import json
@@ -16,7 +16,7 @@ wrong = []
 
 for file in sorted(folder.glob("*.toml")):
     scenario = tomllib.loads(file.read_text())
-    # The defaults show optional keys in a table of their own.
+    # The defaults show optional keys in a separate table.
     scenario.pop("example", None)
     for error in validator.iter_errors(scenario):
         wrong.append(f"{file.name}: {'.'.join(map(str, error.path))}: {error.message}")

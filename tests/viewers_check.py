@@ -1,11 +1,11 @@
-"""Watches a flight as MeshCat and viser do and checks every frame with those projects' own Python code.
+"""Watches a flight as MeshCat and viser do, and checks every frame with those projects' own Python code.
 
-MeshCat: each frame is unpacked with the MessagePack library of meshcat-python, packs again to the same bytes, and is a
-command with exactly the fields that the stock viewer reads. viser: each frame is taken apart as viser's client does, and
-each message is built with viser's own dataclass of that name, from exactly the fields received, of the annotated types.
+MeshCat: the MessagePack library of meshcat-python unpacks each frame and packs it to the same bytes, and the frame is a command
+with exactly the fields that the stock viewer reads. viser: each frame has the structure that viser's client expects, and each
+message is an instance of viser's own dataclass of that name, from exactly the fields received, of the annotated types.
 
 Usage: viewers_check.py TWIN SCENARIO.toml        (needs: u-msgpack-python, viser 1.1.1 with what it brings)
-Exit code 0 and one line of summary each if everything holds, 1 with the first thing that does not.
+Exit code 0 and one line of summary for each viewer if all checks hold, 1 with the first check that fails.
 """
 
 import dataclasses
@@ -34,7 +34,7 @@ WATCHED_S = 6.0
 # Long enough for a start on a loaded machine, s.
 PATIENCE_S = 60.0
 
-# Fields of each command beside its type, as the stock viewers read them; `notice` is ours, which they ignore.
+# Fields of each command besides its type, as the stock viewers read them; `notice` is our own command, which they ignore.
 COMMANDS = {
     "set_object": [{"object", "path"}],
     "set_transform": [{"path", "matrix"}],
@@ -53,7 +53,7 @@ COMMANDS = {
 # Bytes of an element of the typed arrays that the stock viewer knows.
 TYPED_ARRAYS = {0x12: 1, 0x15: 4, 0x16: 4, 0x17: 4}
 
-# The wire carries no shapes; viser's classes want them.
+# Shapes of arrays, which the wire does not carry and viser's classes require.
 SHAPES = {
     ("MeshProps", "vertices"): (-1, 3),
     ("MeshProps", "faces"): (-1, 3),
@@ -102,7 +102,7 @@ def watch_meshcat(address):
 
 
 def fits(value, annotation):
-    """Whether a value from the wire is of an annotated type; arrays by the type of their elements."""
+    """Whether a value from the wire has the annotated type; for an array, the type of its elements counts."""
     origin, args = typing.get_origin(annotation), typing.get_args(annotation)
     if annotation is typing.Any:
         return True
@@ -165,7 +165,7 @@ def take_apart(frame):
 
 
 def take_buffers(frame, at, lengths):
-    """The aligned buffers after `at`, which reach to the end."""
+    """The aligned buffers after `at`; they must reach to the end of the data."""
     buffers = []
     for length in lengths:
         at = -(-at // 8) * 8
@@ -176,7 +176,7 @@ def take_buffers(frame, at, lengths):
 
 
 def fill_buffers(value, buffers):
-    """The same with arrays where buffers are meant."""
+    """The value, with each reference to a buffer replaced by its array."""
     if isinstance(value, list):
         return [fill_buffers(inner, buffers) for inner in value]
     if not isinstance(value, dict):
@@ -186,7 +186,7 @@ def fill_buffers(value, buffers):
     return {key: fill_buffers(inner, buffers) for key, inner in value.items()}
 
 
-# Nodes of which properties change.
+# Nodes whose properties change.
 CHANGING = ("LineSegmentsMessage", "ArrowMessage", "BatchedAxesMessage")
 
 
@@ -205,7 +205,7 @@ class ViserClient:
         check(kind in self.classes, f"viser: there is no message {kind}")
         message = build(self.classes[kind], fields)
         self.kinds[kind] += 1
-        # Those whose properties are changed later.
+        # Nodes whose properties change later.
         if hasattr(message, "props") and (hasattr(message, "uuid") or kind in CHANGING):
             self.elements[getattr(message, "uuid", None) or message.name] = message
         if hasattr(message, "updates"):
@@ -238,7 +238,7 @@ def gains(address):
 def watch_viser(address):
     client, frames, size, ends = ViserClient(), 0, 0, time.monotonic() + WATCHED_S
     with connect(f"ws://{address}/viser", subprotocols=["viser-v1.1.1"], max_size=None) as socket_:
-        # What the client sends when a slider is moved, packed by viser itself.
+        # The message that the client sends when a slider moves, packed by viser itself.
         moved = _messages.GuiUpdateMessage(uuid="gain.slope.x", updates={"value": 1.5})
         socket_.send(msgspec.msgpack.encode(moved.as_serializable_dict()))
         while time.monotonic() < ends:
@@ -254,7 +254,7 @@ def watch_viser(address):
     check(len(marks) > 2, f"viser: {len(marks)} marks of the way in {WATCHED_S} s")
     for name in ("residual", "estimate"):
         foot, tip = client.elements[f"/twin/forces/{name}"].props.points[0]
-        # The weight of 3 kg and more at 12.5 mm per newton.
+        # The weight of 3 kg or more, drawn with 12.5 mm per newton.
         check(0.3 < tip[2] - foot[2] < 0.6, f"viser: the arrow {name} reaches from {foot} to {tip}")
     print(f"viser: {frames} frames, {size} bytes, all understood: {dict(client.kinds.most_common())}")
 

@@ -1,4 +1,4 @@
-//! Notes which commit the program is built from.
+//! Passes the commit of the checkout to the program as `TWIN_GIT_ID`.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -18,7 +18,7 @@ fn note_commit(root: &Path) {
     if let Some(commit) = git(&["rev-parse", "--short=12", "HEAD"]) {
         println!("cargo:rustc-env=TWIN_GIT_ID={commit}");
     }
-    // Grows with every commit, checkout and merge.
+    // Git appends to this log at every commit, checkout and merge.
     if let Some(log) = git(&["rev-parse", "--git-path", "logs/HEAD"]) {
         println!("cargo:rerun-if-changed={log}");
     }

@@ -1,7 +1,7 @@
-//! How long one forecast of the Factorized Dynamics Transformer takes on one core, with random weights.
+//! Time of one forecast of the Factorized Dynamics Transformer on one core, with random weights.
 //!
 //! `cargo bench --bench inference` prints a table. `-- --write DIR` writes the weights and histories that the table uses, and
-//! `-- --serve FILE ARITHMETIC` answers `tests/bench/inference_export.py`, which times other runtimes in turn with this one.
+//! `-- --serve FILE ARITHMETIC` answers `tests/bench/inference_export.py`, which times this program and other runtimes in turn.
 #![allow(clippy::disallowed_methods, reason = "a benchmark asks the clock")]
 #![allow(clippy::print_stdout, reason = "its result is the table")]
 
@@ -28,7 +28,7 @@ const SIZES: [(&str, FdtConfig); 2] = [("small", FdtConfig::SMALL), ("paper", Fd
 /// Seed of weights and history.
 const SEED: u64 = 1;
 
-/// Calls that warm the caches up, and calls that count.
+/// Calls that warm the caches up, and calls that are timed.
 const WARM_UP: usize = 50;
 const CALLS: usize = 400;
 
@@ -89,7 +89,7 @@ fn print(size: &str, what: &str, sorted: &[f64]) {
     println!("{size:6} {what:24} {:9.4} {:9.4} {:9.4}", at(0.0), at(0.5), at(0.99));
 }
 
-/// Forecast from a history and adaptation, as a tick has them.
+/// Forecast from a history followed by the adaptation, as in a tick.
 struct Both {
     fdt: Fdt,
     adapter: Adapter,
@@ -128,7 +128,7 @@ fn write(folder: &Path) {
     }
 }
 
-/// For each line of stdin: `run N` answers N times in ms, `forward` the residual and the regime, as JSON.
+/// Answers each line of stdin as JSON: `run N` with the times of N calls in ms, `forward` with the residual and the regime.
 fn serve(file: &Path, arithmetic: &str) {
     let weights = Weights::from_bytes(&std::fs::read(file).expect("a file")).expect("weights");
     let model = Model::new(&weights).expect("weights");

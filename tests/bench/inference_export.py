@@ -3,8 +3,8 @@
     pip install numpy torch onnx onnxruntime          (in an environment of your own)
     python tests/bench/inference_export.py [ARITHMETIC ...]
 
-The same random weights and history for all, from `cargo bench --bench inference -- --write`; each round times some calls of one
-runtime after the other, so that what else the machine does falls on all alike. Printed: parity, then ms per call.
+All use the same random weights and history, from `cargo bench --bench inference -- --write`. Each round times some calls of one
+runtime after the other, so that other load of the machine affects all of them. It prints the parity, then ms per call.
 """
 
 import json
@@ -43,7 +43,7 @@ def read(path):
 
 
 class Fdt(torch.nn.Module):
-    """The equations as they stand, batch of one."""
+    """The equations as the paper states them, for a batch of one."""
 
     def __init__(self, config, tensors):
         super().__init__()

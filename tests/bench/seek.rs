@@ -1,9 +1,9 @@
-//! How long flights of an hour take to start and to seek, and what memory they take.
+//! Times of start and seek of flights of an hour, and their memory.
 //!
-//! `cargo bench --bench seek`. Files: a made flight of another program, one that this program recorded, each of a quarter of an
-//! hour and an hour, and, where `TWIN_FLIGHTS` names the folder of real flights, the PX4 flight `waypoint4` repeated for an hour.
-//! Each is served in a process of its own and watched by a console: the start is from opening the file to the first tick, a seek
-//! from the request to the tick that was sought with the 10 s before it.
+//! `cargo bench --bench seek`. The files are a made flight of another program and a recording of this program, each of a quarter of
+//! an hour and of an hour. If `TWIN_FLIGHTS` names the folder of real flights, the PX4 flight `waypoint4`, repeated for an hour, is a
+//! fifth. A process of its own serves each file, and a console watches it. The start is the time from opening the file to the first
+//! tick. A seek is the time from the request to the tick that was sought, with the 10 s before it.
 #![allow(
     missing_docs,
     dead_code,
@@ -11,7 +11,7 @@
     clippy::unwrap_used,
     clippy::print_stdout,
     clippy::disallowed_methods,
-    reason = "a bench measures wall-clock time, and uses what it needs of the tests' helpers"
+    reason = "a bench measures wall-clock time, and uses a part of the tests' helpers"
 )]
 
 #[path = "../server/console.rs"]
@@ -36,10 +36,10 @@ use twin_foreign::OpenedFlight;
 use twin_record::{Recorder, RecordingEnd};
 use twin_scenario::Scenario;
 
-/// Names the file in the process that serves it.
+/// Environment variable that names the file in the process that serves it.
 const FILE: &str = "TWIN_SEEK_FILE";
 
-/// Seeks per file.
+/// Number of seeks in each file.
 const SEEKS: usize = 200;
 
 const HOUR_S: f64 = 3600.0;
@@ -87,7 +87,7 @@ fn made_once(folder: &Path, name: &str, make: &dyn Fn(&Path)) -> PathBuf {
     path
 }
 
-/// A recording of this program: 20 s of flight, counted on.
+/// A recording of this program: 20 s of flight, repeated with continued time.
 fn own(path: &Path, seconds: f64) {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/a_300g_slow.toml");
     let scenario = Scenario::load(&file, &[]).unwrap();
@@ -104,7 +104,7 @@ fn own(path: &Path, seconds: f64) {
     recorder.finish(RecordingEnd::default()).unwrap();
 }
 
-/// A PX4 flight again and again, each time later; the stamps of its messages too.
+/// A PX4 flight that is repeated, each time later; the time stamps inside its messages are shifted too.
 fn repeated(from: &Path, to: &Path) {
     let bytes = std::fs::read(from).unwrap();
     let messages: Vec<mcap::Message> =
@@ -124,7 +124,7 @@ fn repeated(from: &Path, to: &Path) {
             let text = String::from_utf8_lossy(text).into_owned();
             let own = text.split("====").next().unwrap_or_default();
             let data = message.data.to_mut();
-            // PX4's messages begin with their time in microseconds, and many with that of the sample after it.
+            // A message of PX4 begins with its time in microseconds. Many continue with the time of its sample.
             let stamps = 1 + usize::from(own.contains("timestamp_sample"));
             for at in (0..stamps).map(|stamp| 4 + 8 * stamp) {
                 let Some(place) = data.get_mut(at..at + 8) else { continue };
@@ -178,7 +178,7 @@ fn measure(file: &Path) {
     );
 }
 
-/// How long it takes until the tick at `t_s` is on the screen.
+/// Time until the console has the tick at `t_s`.
 fn seek(console: &mut Console, t_s: f64) -> Duration {
     let target = (t_s / TICK_S).round() as u64;
     let start = Instant::now();
@@ -195,7 +195,7 @@ fn seek(console: &mut Console, t_s: f64) -> Duration {
     }
 }
 
-/// The most memory that this process held, MiB.
+/// Largest memory that this process has held, MiB.
 fn peak_memory_mib() -> f64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find(|line| line.starts_with("VmHWM")).unwrap_or_default();

@@ -1,16 +1,17 @@
-"""Delivered ticks per second and latency at the socket: this server against meshcat-python's and viser's own.
+"""Measures delivered ticks per second and latency at the socket, for this server and those of meshcat-python and viser.
 
-All three show 12 poses a tick. The two other servers are fed 12 boxes, first 100 times a second and then as often as they
-take them; ours flies in real time and then at `--speed max`. It flies a bare quadrotor with ten more links that hang on it,
+All three show 12 poses a tick. The two other servers get 12 boxes, first 100 times a second and then as often as they accept
+them. Our server flies in real time and then at `--speed max`. It flies a bare quadrotor with ten more links that are fixed to it,
 because an arm is simulated more slowly than the server sends. One client reads: it takes bytes from its socket, answers
-pings and notes when each frame came; what the frames say is taken apart afterwards. It is the same for all, and as light as
-Python is, because a reading library would be slower than the servers. Rounds take turns, so that what else the machine does
-falls on all.
+pings and notes the time of each frame. It decodes the frames afterwards. The client is the same for all servers, and it uses no
+library, because a library would be slower than the servers. Rounds of the servers alternate, so that other load of the machine
+affects all of them.
 
-A tick's latency is how much later it arrived than it was handed over, above that of the fastest tick of the run, because our
-clock starts with the flight. Ours is given twice: since the tick was due, which also counts a flight that lags, and since its
-frame was written. A tick counts as delivered when it arrived. The console's protocol carries every tick; those of the stock
-viewers carry the newest poses, which is every tick for a program that takes them as fast as they are flown.
+The latency of a tick is its time of arrival minus the time at which it was handed over, relative to the fastest tick of the run,
+because our clock starts with the flight. Ours is given twice: from the time at which the tick was due, which includes the lag of
+the flight, and from the time at which its frame was written. A tick is delivered when it has arrived. The console's protocol
+carries every tick. The protocols of the stock viewers carry the newest poses, and so every tick for a program that reads as fast
+as the vehicle flies.
 
 Usage: viewers_bench.py TWIN [ROUNDS]        (needs: meshcat 0.3.2, viser 1.1.1)
 Reports, asserts nothing. It wants a machine that does nothing else.
@@ -48,7 +49,7 @@ def free_port():
 
 
 def ticks(rate_hz):
-    """Yields at each tick, for ever; a late feeder does not catch up."""
+    """Yields at each tick without end; a late feeder does not catch up."""
     due = time.perf_counter()
     while True:
         yield
@@ -68,7 +69,7 @@ def feed_meshcat(rate_hz):
         body.set_object(g.Box([0.1, 0.1, 0.1]))
     print(viewer.url().split("/")[2], flush=True)
     matrix = np.eye(4)
-    # Its server is a process in a session of its own, which outlives us otherwise.
+    # The server of meshcat-python is a process in a session of its own; without this it would outlive the benchmark.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit())
     try:
         for _ in ticks(rate_hz):
@@ -86,7 +87,7 @@ def feed_viser(rate_hz):
     bodies = [server.scene.add_box(f"/body{k}") for k in range(BODIES)]
     print(f"127.0.0.1:{server.get_port()}", flush=True)
     for tick, _ in enumerate(ticks(rate_hz)):
-        # viser sends no pose that is close to the last; so the time is a small number, and y and a sign tell ticks apart.
+        # viser drops a pose close to the last one. So the time is a small number, and y and a sign distinguish the ticks.
         now = time.time() % 1000.0
         for body in bodies:
             body.position = (now, float(tick % 2), 0.0)
@@ -94,7 +95,7 @@ def feed_viser(rate_hz):
 
 
 class Wire:
-    """One WebSocket as a client reads it that does nothing else."""
+    """A WebSocket client that only reads."""
 
     def __init__(self, address, path, subprotocol=None):
         host, port = address.split(":")
@@ -114,7 +115,7 @@ class Wire:
             sys.exit(f"viewers_bench: {address}{path} answers {head[:80]}")
 
     def read(self, seconds):
-        """Frames with the time each arrived at."""
+        """Frames with their times of arrival."""
         frames, ends = [], time.time() + seconds
         while True:
             at = time.time()
@@ -124,7 +125,7 @@ class Wire:
             self.waiting += self.socket.recv(1 << 20)
 
     def take(self, at, frames):
-        """Moves all whole frames over; how many bytes they took."""
+        """Moves all whole frames to the result; returns the number of their bytes."""
         waiting, here, have = self.waiting, 0, len(self.waiting)
         while here + 2 <= have:
             kind, length, start = waiting[here], waiting[here + 1], here + 2
@@ -139,7 +140,7 @@ class Wire:
             payload = bytes(waiting[start : start + length])
             here = start + length
             if kind == 0x89:
-                # Masked with nothing.
+                # The mask is zero.
                 self.socket.sendall(bytes([0x8A, 0x80 | length, 0, 0, 0, 0]) + payload)
             elif kind == 0x82:
                 frames.append((at, payload))
@@ -147,7 +148,7 @@ class Wire:
 
 
 def read(address, path, subprotocol=None):
-    """Binary frames with the time each arrived at, after some time to settle."""
+    """Binary frames with their times of arrival, after some time to settle."""
     frames = Wire(address, path, subprotocol).read(SETTLING_S + MEASURED_S)
     starts = frames[-1][0] - MEASURED_S
     return [(at, frame) for at, frame in frames if at >= starts]
@@ -157,7 +158,7 @@ def commands(frames):
     import umsgpack
 
     for at, frame in frames:
-        # Telling the kind apart before unpacking spares the wait for what is not looked at.
+        # The test before unpacking saves the time to unpack frames that are not used.
         if b"set_transform" in frame:
             yield at, umsgpack.unpackb(frame)
 
@@ -202,7 +203,7 @@ def arrivals_ours_viser(frames):
 
 
 class Results:
-    """Ticks per second, and lags in ms, of each kind of run over all rounds."""
+    """Ticks per second, and latencies in ms, of each kind of run over all rounds."""
 
     def __init__(self):
         self.rates, self.lags, self.sizes = defaultdict(list), defaultdict(list), defaultdict(list)
@@ -247,7 +248,7 @@ def state(address):
 
 
 def flown(address):
-    """Ticks per second that are flown while nobody watches."""
+    """Ticks per second that are flown without a client."""
     before, start = state(address)["tick"], time.perf_counter()
     time.sleep(MEASURED_S / 2)
     return (state(address)["tick"] - before) / (time.perf_counter() - start)
@@ -309,7 +310,7 @@ def watch_viser(address, paced, results):
 
 
 def with_more_links(folder):
-    """The vehicle with as many links without mass as make 12 poses with the reference; the path of its file."""
+    """Adds massless links to the vehicle until it has 12 poses with the reference; returns the path of its file."""
     text, links = URDF.read_text(), ""
     for k in range(BODIES - 1 - text.count("<link ")):
         links += f'<link name="more{k}"/><joint name="more{k}_joint" type="fixed"><parent link="base_link"/>'

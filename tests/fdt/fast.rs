@@ -1,4 +1,4 @@
-//! The forward pass that flies, folded and packed, against the plain one, for every kernel of this processor.
+//! The folded and packed forward pass that flies, compared with the plain one, for every kernel of this processor.
 
 use twin_core::residual::fdt::{Fast, Model, Output};
 use twin_core::residual::nn::Precision;
@@ -7,10 +7,10 @@ use twin_core::residual::weights::FdtConfig;
 
 use super::made;
 
-/// Largest difference relative to the largest number: other orders of summation in single precision.
+/// Largest difference relative to the largest number, for other orders of summation in single precision.
 const ROUNDING: f32 = 1e-5;
 
-/// The same where weights are rounded to eight binary digits, each 0.4 % off at most and as often too large as too small.
+/// Largest relative difference if weights are rounded to eight binary digits. Each rounding is at most 0.4 %, and its sign is random.
 const BF16: f32 = 3e-2;
 
 fn largest_difference(a: &[f32], b: &[f32]) -> f32 {

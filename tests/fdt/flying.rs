@@ -1,4 +1,4 @@
-//! The network in the loop: what a scenario may name, what is refused, and what is flown, recorded and shown.
+//! The network in the loop: the files that a scenario may name, those that are refused, and the flights, recordings and views.
 
 use std::path::PathBuf;
 
@@ -13,7 +13,7 @@ use twin_scenario::{Scenario, acceptance, fly};
 
 use super::made;
 
-/// Weights that forecast a constant, made so that a hover is carried by it: zero but for the mean of the residual.
+/// Weights that forecast a constant: all are zero except for the mean of the residual, which carries a hovering vehicle.
 fn carrying(m_bar: &[f64]) -> Weights {
     let mut weights = made::weights(&FdtConfig::SMALL, 9);
     for name in ["decoder.readout.out.weight", "decoder.readout.out.bias"] {
@@ -21,7 +21,7 @@ fn carrying(m_bar: &[f64]) -> Weights {
     }
     weights.head.m_bar = m_bar.to_vec();
     weights.head.normalisation.output_mean = vec![0.0; 8];
-    // Weight of the vehicle without payload; the adapter and the robust term do the rest.
+    // Weight of the vehicle without payload, N; the adapter and the robust term correct the rest.
     weights.head.normalisation.output_mean[2] = 29.4;
     weights.head.acceptance = Acceptance { r2: Some(0.85), ..Acceptance::default() };
     weights
@@ -37,7 +37,7 @@ fn scenario(name: &str, overrides: &[String]) -> Scenario {
     Scenario::load(&file, overrides).expect("it is usable")
 }
 
-/// A scenario that flies `weights`, written to a file called `name`.
+/// A scenario that flies `weights`, which are written to a file called `name`.
 fn with(name: &str, weights: &Weights, more: &[&str]) -> Scenario {
     let path = file(name, weights);
     let mut overrides = vec![
@@ -76,7 +76,11 @@ fn the_history_is_z_scored_masked_and_held_at_its_start() {
         history
     };
     let short = fdt.predict(&filled(1.0, 1, 0.0));
-    assert_eq!(short, fdt.predict(&filled(1.0, 120, 0.0)), "one entry, held, is a long rest");
+    assert_eq!(
+        short,
+        fdt.predict(&filled(1.0, 120, 0.0)),
+        "a single entry is repeated, so it equals a long rest"
+    );
     assert_eq!(short, fdt.predict(&filled(1.0, 120, 77.0)), "x is masked");
     assert_ne!(short, fdt.predict(&filled(1.5, 120, 0.0)), "the oldest entry counts");
     assert_eq!((short.base.len(), short.regime.len()), (7, 32));
@@ -133,7 +137,7 @@ fn the_gate_measures_shipped_weights_as_their_head_says() {
         .collect();
     let (r2, _) = acceptance::together(&flown).expect("both are completed");
     let said = Weights::from_bytes(SHIPPED).expect("whole").head.acceptance.r2.expect("a figure");
-    // Another kernel rounds otherwise, and a flight is not repeated to the bit.
+    // Another kernel rounds differently, so the flight does not repeat bit for bit.
     assert!(r2 > Acceptance::LEAST_R2 && (r2 - said).abs() < 0.02, "{r2} and {said}");
 }
 
@@ -183,7 +187,7 @@ fn acceptance_flies_the_base_forecast_alone_and_writes_the_head() {
     let path = file("judged.safetensors", &carrying(&m_bar()));
     let hover = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("scenarios/hover.toml");
     let flown = acceptance::fly(&hover, &path, &["task.duration_s=4.0".to_owned()]).expect("flown");
-    // A constant cannot explain how the residual varies.
+    // A constant cannot explain the variation of the residual.
     assert!(flown.r2 < 0.1, "{flown:?}");
     assert_eq!(flown.r2_rows.len(), ROWS.len());
     let figures = Acceptance { r2: Some(0.5), hover_r2: Some(0.25), figure_eight_r2: None };

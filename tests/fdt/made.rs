@@ -1,4 +1,4 @@
-//! Weights and histories made of seeded chance: of any size, trained on nothing.
+//! Random weights and histories from a seed, of any size; no training made them.
 
 use rand::SeedableRng;
 use rand::distr::Distribution;
@@ -33,8 +33,8 @@ impl Chance {
     }
 }
 
-/// Weights of `config`. Every part matters for the result: norms differ from one, biases from zero, and activations keep their
-/// size from layer to layer.
+/// Weights for `config`. Every part affects the result: norms differ from one, biases from zero, and activations keep their size
+/// from layer to layer.
 pub(crate) fn weights(config: &FdtConfig, seed: u64) -> Weights {
     let mut chance = Chance::new(seed);
     let tensors = config
@@ -54,7 +54,7 @@ pub(crate) fn weights(config: &FdtConfig, seed: u64) -> Weights {
     Weights { head: head(config), tensors }
 }
 
-/// A head that fits `config`; the vehicle's own names where the sizes are the vehicle's.
+/// A head that fits `config`; where the sizes are those of the vehicle, the names are too.
 pub(crate) fn head(config: &FdtConfig) -> Head {
     let numbered = |n: usize| (0..n).map(|i| format!("c{i}")).collect::<Vec<_>>();
     let own = |names: Vec<String>, n: usize| if names.len() == n { names } else { numbered(n) };
@@ -88,7 +88,7 @@ pub(crate) fn head(config: &FdtConfig) -> Head {
     }
 }
 
-/// A z-scored history, `[channels, t_long]`, smooth in time as a vehicle's is.
+/// A z-scored history, `[channels, t_long]`, smooth in time like that of a vehicle.
 pub(crate) fn history(config: &FdtConfig, seed: u64) -> Vec<f32> {
     let mut chance = Chance::new(seed);
     (0..config.channels)
@@ -99,7 +99,7 @@ pub(crate) fn history(config: &FdtConfig, seed: u64) -> Vec<f32> {
         .collect()
 }
 
-/// The ablations that have something that asks and something to answer.
+/// The ablations that keep a part that queries the memory, and a part that answers.
 pub(crate) fn ablations(config: FdtConfig) -> Vec<FdtConfig> {
     let mut all = Vec::new();
     for flags in 0..8_u8 {
@@ -114,7 +114,7 @@ pub(crate) fn ablations(config: FdtConfig) -> Vec<FdtConfig> {
     all
 }
 
-/// Sizes that divide by nothing a processor likes.
+/// Sizes that are not multiples of the vector lengths of a processor.
 pub(crate) fn odd(seed: u64) -> FdtConfig {
     let mut chance = Chance::new(seed);
     let heads = chance.size(5);

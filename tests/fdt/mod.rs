@@ -1,4 +1,4 @@
-//! The Factorized Dynamics Transformer: against an independent forward pass, as a file, and in flight.
+//! The Factorized Dynamics Transformer: compared with an independent forward pass, read from a file, and in flight.
 
 mod fast;
 mod flying;

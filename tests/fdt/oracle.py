@@ -1,6 +1,6 @@
 """The forward pass of the Factorized Dynamics Transformer in double precision, written from its equations.
 
-Reads FOLDER/{case}.safetensors and FOLDER/{case}.input (f32, [channels, t_long]) for case in 0..N and writes what they give to
+Reads FOLDER/{case}.safetensors and FOLDER/{case}.input (f32, [channels, t_long]) for case in 0..N, and writes the results to
 FOLDER/{case}.json: residual [(k + 1) * outputs], regime [d_k], attention [channels].
 """
 

@@ -1,4 +1,4 @@
-//! The forward pass against `NumPy`'s in double precision, which reads the same files and shares no code.
+//! The forward pass compared with that of `NumPy` in double precision, which reads the same files and shares no code.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -12,7 +12,7 @@ use super::made;
 /// Largest difference, relative to the largest number of the output: single precision through a dozen sums.
 const TOLERANCE: f64 = 1e-5;
 
-/// What the script writes for a case.
+/// Output of the script for a case.
 #[derive(Deserialize)]
 struct Wanted {
     residual: Vec<f64>,
@@ -75,7 +75,7 @@ fn agrees(config: &FdtConfig, found: &Output, wanted: &Wanted) {
     }
 }
 
-/// A Python with `NumPy`: the suite's own, else the system's.
+/// A Python with `NumPy`: that of the suite, or else that of the system.
 fn python() -> Option<PathBuf> {
     let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/venv/bin/python");
     [own, PathBuf::from("python3")].into_iter().find(|python| {

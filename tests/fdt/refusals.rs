@@ -1,4 +1,4 @@
-//! Files of weights that must be refused, each with the sentence that says what is wrong.
+//! Files of weights that must be refused, each with a sentence that names the defect.
 
 use twin_core::notation::Coords;
 use twin_core::residual::Fdt;
@@ -12,10 +12,10 @@ fn good() -> Weights {
     made::weights(&FdtConfig::SMALL, 1)
 }
 
-/// What is said of a head that was changed so.
+/// A part of the expected message, and the change of a good head that causes it.
 type Slip = (&'static str, fn(&mut Head));
 
-/// What reading and fitting the weights comes to.
+/// Writes the weights, reads them back and builds the network.
 fn outcome(weights: &Weights) -> Result<(), WeightsError> {
     Fdt::new(&Weights::from_bytes(&weights.to_bytes()?)?, Kernel::SCALAR, Precision::F32)
         .map(|_| ())

@@ -1,4 +1,4 @@
-//! Changes of the world act as physics says they must.
+//! Changes of the world have the effect that physics predicts.
 
 use twin_core::elementary::squared;
 use twin_core::tick::{EventKind, Tick};
@@ -8,15 +8,15 @@ use super::flown::{flown, mean, scenario};
 /// Weight of a gram of payload, N.
 const GRAM_N: f64 = 9.81e-3;
 
-/// What two seconds of sensor noise leave of the mean lift, N.
+/// Error of the mean lift that two seconds of sensor noise leave, N.
 const FORCE_TOLERANCE_N: f64 = 0.1;
 
-/// World force that the rotors make, z row, N.
+/// Vertical force of the rotors in the world, N.
 fn lift_n(tick: &Tick) -> f64 {
     tick.truth.as_ref().map_or(0.0, |truth| truth.rotor_thrust_n.iter().sum())
 }
 
-/// Overrides of a hover in calm air of `duration_s` that changes at 4 s.
+/// Overrides of a hover in calm air that lasts `duration_s`, with one change at 4 s.
 fn with_change(duration_s: f64, change: &str) -> Vec<String> {
     let calm = ["aero.turbulence_n=0.0", "aero.turbulence_n_m=0.0"].map(str::to_owned);
     let change =
@@ -74,7 +74,7 @@ fn a_push_moves_the_vehicle_its_way_and_it_comes_back() {
     let ticks = hover(&with_change(12.0, "kind='push', force_n=[0.0, 6.0, 0.0], duration_s=0.5"));
     let y = |tick: &Tick| tick.truth.as_ref().map_or(0.0, |truth| truth.chi[1]);
     let peak = ticks.iter().map(y).fold(0.0, f64::max);
-    // 6 N for 0.5 s on 3 kg and no reaction would be 0.25 m at the end of the push.
+    // A force of 6 N for 0.5 s on 3 kg without reaction would give 0.25 m at the end of the push.
     assert!((0.02..0.5).contains(&peak), "{peak:.3} m");
     let back = mean(&ticks, 11.0, 12.0, y);
     assert!(back.abs() < 0.03, "{back:.3} m");

@@ -1,4 +1,4 @@
-//! Broken numbers from the source or the predictor: a fault on the tick, finite commands, and recovery.
+//! Numbers that are not finite from the source or the predictor: the tick has a fault, commands stay finite, the flight recovers.
 
 use std::sync::{Arc, Mutex};
 
@@ -12,16 +12,16 @@ use twin_core::tick::{
 
 use super::flown::scenario;
 
-/// Ticks at which the numbers are broken.
+/// Ticks at which the numbers are not finite.
 const BROKEN: std::ops::Range<u64> = 150..160;
 
-/// The vehicle holds still within this far, m, although a tenth of a second of its numbers was broken.
+/// Largest distance of the vehicle from its place, m, although its numbers were not finite for a tenth of a second.
 const STRAY_M: f64 = 0.15;
 
 /// Every command that reached the actuators, also between ticks.
 type Commands = Arc<Mutex<Vec<ActuatorCommand>>>;
 
-/// A source that breaks one row of one vector of its measurement for a while, and remembers every command it gets.
+/// A source that breaks coordinates of its measurement, so that they are not finite for a while. It records every command.
 struct Broken {
     source: Box<dyn Source + Send>,
     breaks: fn(&mut Measurement),
@@ -29,7 +29,7 @@ struct Broken {
     commands: Commands,
 }
 
-/// Listens to the inner rows.
+/// Inner controllers that record their commands.
 struct Listening<'a> {
     inner: &'a mut dyn InnerLoop,
     commands: &'a Commands,
@@ -63,7 +63,7 @@ impl Source for Broken {
     }
 }
 
-/// A predictor that breaks its forecast for a while.
+/// A predictor that breaks its forecast, so that a number of it is not finite for a while.
 struct Dreaming {
     predictor: Box<dyn Predictor>,
     breaks: fn(&mut Forecast),
@@ -98,7 +98,7 @@ fn fly(parts: Parts) -> Vec<Tick> {
     (0..350).map(|_| flight.tick()).collect()
 }
 
-/// Every number that leaves the loop is finite and the vehicle stays where it is.
+/// Asserts that every number that leaves the loop is finite, and that the vehicle stays where it is.
 fn check(ticks: &[Tick], commands: &Commands, fault: Fault) {
     for command in commands.lock().expect("nobody panicked").iter() {
         let finite =
@@ -177,7 +177,7 @@ fn broken_forecasts_become_a_fault_and_reach_no_actuator() {
     }
 }
 
-/// A source that never measured anything.
+/// A source that has never measured anything.
 struct Dead;
 impl Source for Dead {
     fn advance(&mut self, setpoint: &Setpoint, inner: &mut dyn InnerLoop) -> Measurement {

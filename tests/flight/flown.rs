@@ -1,18 +1,18 @@
-//! Scenarios of the repository, flown.
+//! Loads and flies scenarios of the repository.
 
 use std::path::Path;
 
 use twin_core::tick::Tick;
 use twin_scenario::{Report, Scenario, fly};
 
-/// `scenarios/{name}.toml` under `overrides`.
+/// The scenario `scenarios/{name}.toml` with `overrides`.
 pub(super) fn scenario(name: &str, overrides: &[&str]) -> Scenario {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("scenarios/{name}.toml"));
     let overrides: Vec<String> = overrides.iter().map(|&text| text.to_owned()).collect();
     Scenario::load(&file, &overrides).expect(name)
 }
 
-/// Flies to the verdict.
+/// Flies the scenario to its verdict.
 pub(super) fn flown(scenario: &Scenario) -> (Report, Vec<Tick>) {
     let mut ticks = Vec::new();
     let report = fly(scenario, &mut |tick| ticks.push(tick.clone())).expect("the scenario builds");

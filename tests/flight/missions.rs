@@ -1,4 +1,4 @@
-//! Flights to their verdict: what must succeed, and what must not.
+//! Flights to their verdict: those that must succeed, and those that must fail.
 
 use twin_core::elementary::squared;
 use twin_core::tick::EventKind;
@@ -9,7 +9,7 @@ use super::flown::{flown, mean, scenario};
 /// Position error in hover that the paper reports, m.
 const HOVER_RMSE_M: f64 = 0.03;
 
-/// Slip of a cube under 20 N of grip: the elastic give of the contacts, mm.
+/// Slip of a cube under 20 N of grip, which is the elastic give of the contacts, mm.
 const SLIP_MM: f64 = 0.1;
 
 #[test]
@@ -17,7 +17,7 @@ fn it_hovers_as_precisely_as_the_paper_says() {
     for preset in ["gains.preset=paper", "gains.preset=tuned"] {
         let (report, ticks) = flown(&scenario("hover", &["task.duration_s=12.0", preset]));
         assert_eq!(report.verdict, Verdict::Completed, "{preset}: {}", report.reason);
-        // Counted here, not by the metrics: from 2 s on, against the place in the scenario.
+        // The test computes this from the truth and not from the metrics: from 2 s on, relative to the place in the scenario.
         let squares = |tick: &twin_core::tick::Tick| {
             let chi = tick.truth.as_ref().expect("it is simulated").chi;
             squared(chi[0]) + squared(chi[1]) + squared(chi[2] - 1.2)
@@ -52,7 +52,7 @@ fn it_picks_carries_and_places() {
     let (report, ticks) = flown(&scenario("a_300g_slow", &["predictor.kernel=scalar"]));
     assert_eq!(report.verdict, Verdict::Completed, "{}", report.reason);
     assert!(report.passed, "{:?}", report.broken);
-    // The cube began on the box and rests on the table: 60 mm is the verdict's own limit, heights are those of the URDFs.
+    // The cube begins on the box and ends on the table. 60 mm is the limit of the verdict; the heights are those of the URDFs.
     let cube = |tick: &twin_core::tick::Tick| {
         tick.truth.as_ref().expect("it is simulated").payload_position
     };
@@ -82,7 +82,7 @@ fn the_demonstration_of_the_reset_resets_after_the_drop_and_not_before() {
     let resets: Vec<f64> =
         ticks.iter().filter(|tick| tick.adapted.reset).map(|tick| tick.measurement.t_s).collect();
     assert!(!resets.is_empty(), "no reset");
-    // Dropped at 10 s; the mean innovation needs some ticks, the refractory time forbids a second one within 1 s.
+    // The payload drops at 10 s. The mean innovation needs some ticks, and the refractory time forbids a second reset within 1 s.
     assert!(resets.iter().all(|t_s| (10.0..11.0).contains(t_s)), "{resets:?}");
     let fell = ticks
         .last()
@@ -97,7 +97,7 @@ fn the_demonstration_of_the_reset_resets_after_the_drop_and_not_before() {
 fn without_a_prediction_it_does_not_come_back() {
     for (name, overrides) in [
         ("a_300g_slow", &["predictor.kind=none"][..]),
-        // Nothing but the table's law: not even a clip that knows the weight.
+        // The preset of the table alone, even without the clip that knows the weight.
         ("hover", &["predictor.kind=none", "gains.preset=literal"]),
     ] {
         let (report, _) = flown(&scenario(name, overrides));

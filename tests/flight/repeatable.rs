@@ -1,4 +1,4 @@
-//! One seed, one flight: in memory, in a recording, and flown again from a recording.
+//! The same seed gives the same flight: in memory, in a recording, and flown again from a recording.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -8,7 +8,7 @@ use twin_scenario::{Scenario, Settings};
 
 use super::flown::{flown, scenario};
 
-/// A short flight with everything random in it: noise, turbulence, a cube in the hand.
+/// A short flight with all random parts: noise, turbulence, and a cube in the gripper.
 fn short(seed: u64) -> Scenario {
     let seed = format!("seed={seed}");
     let overrides = [
@@ -39,7 +39,7 @@ fn the_hash_depends_on_the_command_and_not_only_on_the_seed() {
     assert_ne!(flown(&changed).0.state_hash, report.state_hash);
 }
 
-/// A file of this test process.
+/// Path of a file of this test process.
 fn file(name: &str) -> PathBuf {
     std::env::temp_dir().join(format!("twin-flight-{}-{name}.mcap", std::process::id()))
 }

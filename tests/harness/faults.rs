@@ -1,4 +1,4 @@
-//! The fault scenarios: each passes, and none would without its fault. Faults that wait for something begin when it happens.
+//! The fault scenarios: each passes, and each would fail without its fault. A fault with a condition begins when it is met.
 
 use std::path::Path;
 
@@ -32,14 +32,14 @@ fn every_fault_scenario_passes_and_fails_where_its_fault_is_taken_out() {
             let file = folder.join(&name);
             let with = flown(&load(&file, &[]));
             assert!(with.passed, "{name}: {:#?}", with.broken);
-            // A jump of the payload is a disturbance, and so is a push that a fault needs to be seen.
+            // This scenario's fault is a disturbance. In the others a disturbance only makes the fault visible, so the fault is left out.
             let out =
                 if name == "fault_payload_jump.toml" { "disturbances=[]" } else { "faults=[]" };
             let without = flown(&load(&file, &[out]));
             without.passed.then_some((name, without))
         })
         .collect();
-    assert!(blind.is_empty(), "these would not notice that the fault is missing: {blind:#?}");
+    assert!(blind.is_empty(), "these scenarios pass without their fault: {blind:#?}");
 }
 
 #[test]
@@ -73,6 +73,6 @@ fn a_fault_begins_its_delay_after_what_it_waits_for_and_lasts_its_time() {
     let report = fly(&load(Path::new(&file), &[]), &mut watch).expect("it can be flown");
     assert!(report.passed, "{:?}", report.broken);
     let at: Vec<i32> = told.iter().map(|(t_s, _)| (t_s * 100.0).round() as i32).collect();
-    // The wind acts in the tick from 0.30 to 0.31 s; the fault begins 0.2 s after that tick, and shows at the end of its first.
+    // The wind acts in the tick from 0.30 to 0.31 s. The fault begins 0.2 s after that tick, and shows at the end of its first tick.
     assert_eq!(at, [31, 52, 77], "{told:?}");
 }

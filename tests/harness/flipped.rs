@@ -1,4 +1,4 @@
-//! A controller that is wrong is caught.
+//! The scenarios as tests catch a controller with a wrong sign.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use twin_scenario::{Assessor, Scenario};
 
 use super::Folder;
 
-/// Another controller whose sliding variable pushes the vehicle the wrong way.
+/// A controller whose sliding variable pushes the vehicle in the wrong direction.
 struct Inverted(Box<dyn Controller>);
 
 impl Controller for Inverted {
@@ -51,7 +51,7 @@ fn a_controller_with_its_sign_flipped_is_caught_with_metric_bound_value_and_seco
     assert_eq!(Some(broken.at_s), crossed_s, "{broken}");
     assert!(broken.value.is_some_and(|value| value > 0.3) && broken.allowed == "at most 0.3");
     assert!(report.broken.iter().any(|broken| broken.name == "verdict"), "{:?}", report.verdict);
-    // The error comes before the crash, and so is the first that a message names.
+    // The bound is broken before the crash, so a message names it first.
     assert!(report.broken.is_sorted_by_key(|broken| broken.at_s), "{:?}", report.broken);
     assert_eq!(report.broken[0].name, "position_error_m");
 }

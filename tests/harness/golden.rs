@@ -1,4 +1,4 @@
-//! Golden runs: stored by `--update`, kept within tolerances, and the first divergence named.
+//! Golden runs: `--update` stores them, a flight must stay within their tolerances, and a message names the first divergence.
 
 use super::Folder;
 
@@ -18,14 +18,14 @@ fn a_flight_is_stored_repeated_and_told_where_it_first_diverges() {
     assert!(missing.contains("no file") && missing.contains("--update"), "{missing}");
     said(&[&file, "--update"], 0);
     let stored = std::fs::read_to_string(folder.path("stored/run.csv")).expect("it is stored");
-    // Ten rows and their header for a second of flight.
+    // A second of flight has ten lines and their header.
     assert_eq!(
         (stored.lines().next(), stored.lines().count()),
         (Some("t_s,height_m,tilt_rad"), 11)
     );
     said(&[&file], 0);
 
-    // A push at 0.42 s: no row before it differs, the row at 0.5 s does.
+    // A push at 0.42 s: the lines before it do not differ, the line at 0.5 s does.
     let push = "disturbances=[{at_s=0.42,kind='push',force_n=[6.0,0.0,9.0],duration_s=0.3}]";
     let parted = said(&[&file, "--set", push], 1);
     assert!(

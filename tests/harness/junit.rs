@@ -1,4 +1,4 @@
-//! `JUnit` XML: valid, failures and errors apart, evidence named.
+//! `JUnit` XML: it is valid, failures and errors are separate, and the evidence is named.
 
 use std::path::Path;
 
@@ -6,11 +6,12 @@ use roxmltree::{Document, Node};
 
 use super::{Folder, TOO_LOW};
 
-/// An element of the schema: its name, what it may hold, its attributes (`!` is required) and whether it may hold text.
+/// An element of the schema: its name, the elements it may hold, its attributes (`!` marks a required one), and whether it may hold
+/// text.
 type Rule = (&'static str, &'static [&'static str], &'static [&'static str], bool);
 
-/// Source: junit-10.xsd of the Jenkins xUnit plugin, in the narrower form of its revisions wherever they differ. Written down
-/// here anew; the order of elements is free in it.
+/// Source: junit-10.xsd of the Jenkins xUnit plugin; where its revisions differ, the stricter form. This is a transcription, in which
+/// the order of the elements is free.
 const SCHEMA: &[Rule] = &[
     ("testsuites", &["testsuite"], &["name", "time", "tests", "failures", "errors"], false),
     (
@@ -45,7 +46,7 @@ const SCHEMA: &[Rule] = &[
     ("system-err", &[], &[], true),
 ];
 
-/// What is wrong with an element by the schema, and with all below it.
+/// Collects the violations of the schema by an element and all elements below it.
 fn violations(node: Node, found: &mut Vec<String>) {
     let name = node.tag_name().name();
     let Some((_, children, attributes, text)) = SCHEMA.iter().find(|rule| rule.0 == name) else {
@@ -56,7 +57,7 @@ fn violations(node: Node, found: &mut Vec<String>) {
         if !known {
             found.push(format!("<{name}> has {:?}", attribute.name()));
         }
-        // SUREFIRE_TIME: digits, and a fraction of at most three.
+        // SUREFIRE_TIME: digits, and a fraction of at most three digits.
         let (whole, part) = attribute.value().split_once('.').unwrap_or((attribute.value(), ""));
         let digits = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit());
         if attribute.name() == "time" && !(digits(whole) && digits(part) && part.len() <= 3) {
@@ -148,7 +149,7 @@ fn failure_and_error_are_kept_apart_and_each_case_carries_seed_hash_and_versions
     assert_eq!((child(&case(0), "failure"), child(&case(0), "error")), (None, None));
     let (kind, message, body) = child(&case(1), "failure").expect("the bound is broken");
     assert_eq!(kind, "height_m");
-    // Metric, value, bound and second: the vehicle hovers at 1.2 m, above 1 m from the first tick of the window on.
+    // The message has metric, value, bound and second. The vehicle hovers at 1.2 m, above 1 m from the first tick of the window on.
     for word in ["max of height_m", "found 1.", "at most 1", "0.50 s"] {
         assert!(message.contains(word), "{word:?} in {message:?}");
     }
@@ -177,7 +178,7 @@ fn a_case_that_was_not_run_is_skipped_and_a_sweep_is_one_case() {
     let document = Document::parse(&text).expect("it is XML");
     assert_valid(&document);
     let root = document.root_element();
-    // Half of the samples succeed, six tenths must.
+    // Half of the samples succeed, but the bound demands six tenths.
     assert_eq!((root.attribute("tests"), root.attribute("failures")), (Some("2"), Some("2")));
     let case = |name: &str| {
         let is_it =

@@ -1,4 +1,4 @@
-//! `twin test` and `twin diff` through the real program: what a CI relies on.
+//! `twin test` and `twin diff` through the real program: the behaviour that a CI relies on.
 
 mod commands;
 mod faults;
@@ -34,7 +34,7 @@ impl Folder {
         self.0.join(name).display().to_string()
     }
 
-    /// A hover of a second that demands `more`; its models are those of the repository.
+    /// A hover of a second with the additional checks `more`; its models are those of the repository.
     fn hover(&self, name: &str, more: &str) -> String {
         let urdf = Path::new(env!("CARGO_MANIFEST_DIR")).join("urdf/aerial_manipulator.urdf");
         let text = format!(
@@ -58,7 +58,7 @@ impl Folder {
 
 impl Drop for Folder {
     fn drop(&mut self) {
-        // Nothing to do about a folder that stays.
+        // A folder that cannot be removed does not matter.
         let _ = std::fs::remove_dir_all(&self.0);
     }
 }

@@ -1,4 +1,4 @@
-//! One flight, one hash: whatever the number of jobs and however often.
+//! A flight has one hash, whatever the number of jobs and repetitions.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! The evidence of a failure: a page that is complete in itself. Whether it works is a browser's test.
+//! The evidence of a failure: a page that needs no other file. A browser test checks that the page works.
 
 use std::path::PathBuf;
 
@@ -19,7 +19,7 @@ fn a_failure_leaves_a_page_that_needs_nothing_else_and_the_message_names_it() {
     {
         assert!(!text.contains(outside), "{outside}");
     }
-    // The same page from the recording.
+    // The same page, made from the recording.
     let again = folder.path("again.html");
     let output = twin(&["export", "html", &folder.path("failed/bad.mcap"), "-o", &again]);
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));

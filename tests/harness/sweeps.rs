@@ -1,10 +1,10 @@
-//! Sweeps: samples, the share that must succeed, and shards that add up.
+//! Sweeps: samples, the share that must succeed, and shards whose reports merge.
 
 use serde_json::Value;
 
 use super::{Folder, TOO_LOW, twin};
 
-/// Twelve flights of half a second at 0.7 to 1.3 m; `TOO_LOW` lets those up to 1 m succeed, about half.
+/// Twelve flights of half a second at 0.7 to 1.3 m. With the check `TOO_LOW`, those up to 1 m succeed, which are about half.
 fn sweep(min_success: f64) -> String {
     format!(
         "{TOO_LOW}[sweep]\nsamples = 12\nseed = 5\nmin_success = {min_success}\n[[sweep.ranges]]\n\
@@ -16,7 +16,7 @@ fn json(bytes: &[u8]) -> Value {
     serde_json::from_slice(bytes).expect("one JSON object")
 }
 
-/// The report without what depends on the clock of the machine.
+/// Removes the numbers that depend on the clock of the machine from the report.
 fn timeless(value: &mut Value) {
     match value {
         Value::Object(table) => {
@@ -45,7 +45,7 @@ fn enough_samples_must_succeed_and_the_interval_is_told() {
         );
         assert_eq!(found["flown"], 12);
         // The stratum decides whether a sample starts above the bound: six strata lie up to 1 m. The vehicle moves by
-        // millimetres, so at most the samples of the two strata beside it may differ.
+        // millimetres, so only the samples of the two strata next to the bound may differ.
         let succeeded = found["succeeded"].as_u64().expect("a count");
         assert!((5..=7).contains(&succeeded), "{found}");
         let [low, high] = [0, 1].map(|end| found["interval_95"][end].as_f64().expect("a number"));
@@ -77,7 +77,7 @@ fn shards_merge_to_the_report_of_the_whole_run() {
         arguments.extend(paths.iter().map(|path| path.as_str()));
         twin(&arguments)
     };
-    // In any order.
+    // The order of the shards does not matter.
     let merged = merge(&[&parts[2], &parts[0], &parts[3], &parts[1]]);
     assert_eq!(merged.status.code(), Some(0), "{}", String::from_utf8_lossy(&merged.stderr));
     let (mut whole, mut merged) = (json(&whole.stdout), json(&merged.stdout));
@@ -103,6 +103,6 @@ fn the_page_has_the_picture_of_the_sweep_and_a_dot_for_every_sample() {
     let text = std::fs::read_to_string(&page).expect("the page");
     assert!(text.contains("task.start_position_m.2") && text.contains("95 % interval"));
     let succeeded = text.matches("<circle").count();
-    // A cross is two lines; one dot of each kind stands in the legend.
+    // A cross is two lines; the legend has one dot of each kind.
     assert!((5 + 1..=7 + 1).contains(&succeeded), "{succeeded} circles");
 }

@@ -1,4 +1,4 @@
-//! Damaged files, messages and maps: no panic, no hang, no wrong value; what can be used is used.
+//! Damaged files, messages and maps: the reader does not panic, hang or give a wrong value, and uses the undamaged part.
 
 use std::path::Path;
 
@@ -12,13 +12,13 @@ use twin_foreign::{Map, Survey, container, topics};
 
 use super::made::{Form, PLAIN, file, flight};
 
-/// Whole files that are damaged and read to the ticks; each takes about a millisecond.
+/// Number of damaged files that are read to the ticks; each takes about a millisecond.
 const FILES: usize = 1500;
 
-/// Messages, schemas and maps that are damaged.
+/// Number of damaged messages, schemas and maps.
 const TEXTS: usize = 20_000;
 
-/// Half a second in several chunks.
+/// A flight of half a second in several chunks.
 const SMALL: Form = Form { seconds: 0.5, compression: None, chunk_bytes: 2048, ..PLAIN };
 
 pub(super) fn mutate(bytes: &[u8], rng: &mut rand_pcg::Pcg64) -> Vec<u8> {
@@ -45,7 +45,7 @@ fn generic() -> Map {
     Map::over_generic(Map::default()).expect("the generic map")
 }
 
-/// Reads as far as it goes; what it finds is checked elsewhere.
+/// Reads the file as far as possible; other tests check the result.
 fn read_all(path: &Path, map: &Map) {
     let Ok(survey) = Survey::read(path) else { return };
     if let Ok(gathered) = gather(path, map)
@@ -72,7 +72,7 @@ fn a_file_cut_at_every_byte_keeps_what_came_before_and_says_that_it_is_cut() {
                 continue;
             };
             assert_eq!(found.complete, found.problems.is_empty(), "byte {end}: {found:?}");
-            // The compressor gives its bytes back in blocks, so a longer piece never holds less.
+            // The decompressor gives bytes in blocks, so a longer piece of the file never gives fewer messages.
             assert!(messages >= last, "byte {end}: {messages} after {last}");
             last = messages;
         }
@@ -142,7 +142,7 @@ fn mutated_messages_schemas_and_maps_never_panic_or_hang() {
         let schema = String::from_utf8_lossy(&mutate(text.as_bytes(), &mut rng)).into_owned();
         if let Ok(layout) = Layout::parse("p/msg/Outer", &schema) {
             parsed += 1;
-            // Decoding by a schema that does not belong to the message must end too.
+            // Decoding by a schema of another message must end, too.
             let _ = decode(&layout, &message);
         }
         if i % 20 == 0 {
@@ -151,6 +151,6 @@ fn mutated_messages_schemas_and_maps_never_panic_or_hang() {
             let _ = Map::parse(&map, name);
         }
     }
-    // Both ways were taken.
+    // Both outcomes occurred.
     assert!(decoded > 0 && decoded < TEXTS && parsed > 0 && parsed < TEXTS, "{decoded} {parsed}");
 }

@@ -1,5 +1,5 @@
-//! Damage without end, seeded: `TWIN_FUZZ_INPUTS=10000000 TWIN_FUZZ_SEED=1` asks for more of it (a hang is a run that does not
-//! end). The same bodies are targets of cargo-fuzz in `tests/fuzz`.
+//! Seeded damage: `TWIN_FUZZ_INPUTS=10000000 TWIN_FUZZ_SEED=1` asks for more inputs. A hang shows as a run that does not end. The same
+//! bodies are targets of cargo-fuzz in `tests/fuzz`.
 
 use rand::{RngExt, SeedableRng};
 use twin_foreign::topics::SHIPPED;
@@ -8,13 +8,13 @@ use super::damage::mutate;
 use super::fuzzed;
 use super::made::{Form, PLAIN, flight, ulog};
 
-/// Inputs without a request.
+/// Number of inputs without `TWIN_FUZZ_INPUTS`.
 const FEW: u64 = 200_000;
 
-/// Some twenty messages in several chunks.
+/// A flight of some twenty messages in several chunks.
 const TINY: Form = Form { seconds: 0.05, chunk_bytes: 256, compression: None, ..PLAIN };
 
-/// The same with a hole that makes it a long flight.
+/// The same flight with a hole, which makes it a long flight.
 const LONG: Form = Form { seconds: 150.0, hole_s: Some((0.05, 149.95)), ..TINY };
 
 fn asked(name: &str, otherwise: u64) -> u64 {
@@ -48,7 +48,7 @@ fn damaged_files_messages_definitions_and_maps_never_panic_or_hang() {
             }
         }
     }
-    // Damage seldom hits the first bytes, so most files are read, and many are still found to be long.
+    // Damage seldom hits the first bytes. So most files can be read, and many of them are still recognised as long.
     assert!(read > inputs / 10 && indexed > inputs / 20, "{read}, {indexed} of {inputs}");
     if inputs > FEW {
         eprintln!("{inputs} damaged inputs of seed {seed}: no panic, no hang");
@@ -61,7 +61,7 @@ fn a_file_cut_at_every_byte_is_read_as_far_as_it_goes_by_every_way() {
         let longest = (0..=whole.len())
             .filter(|end| fuzzed::file(&whole[..*end]) | fuzzed::indexed(&whole[..*end]))
             .count();
-        // Only without the first bytes of its kind it is nothing at all.
+        // A file can be read at every length, except when its first bytes, which name its kind, are missing.
         assert!(longest + 16 > whole.len(), "{longest} of {}", whole.len());
     }
 }

@@ -1,5 +1,5 @@
-//! What damaged input is put through, for the seeded loop of this suite and the targets of cargo-fuzz: nothing here may panic,
-//! hang, or give a number that is not finite.
+//! The bodies that read damaged input, for the seeded loop of this suite and the targets of cargo-fuzz. They must not panic, hang, or
+//! give a number that is not finite.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -13,10 +13,10 @@ use twin_foreign::schema::Layout;
 use twin_foreign::signals::signals;
 use twin_foreign::{Map, OpenedFlight, RecordedFlight, Survey};
 
-/// A message definition with everything a definition may have.
+/// A message definition with every construct that a definition may have.
 pub(super) const DEFINITION: &str = "uint8 a\nfloat64 b\nstring name\nfloat32[] values\nInner[] inner\nstring[<=4] names\n===\nMSG: p/Inner\nint16 c\nfloat32[3] d\n";
 
-/// Longer recordings are not put onto ticks here: a clock that damage moved by hours is tested by the others.
+/// Recordings that are longer are not put onto ticks, because damage can move a clock by hours; other tests cover clocks.
 const SHORT_S: f64 = 100.0;
 
 /// Ticks of a part of a long flight.
@@ -47,7 +47,7 @@ fn assert_finite(flight: &RecordedFlight) {
     }
 }
 
-/// A file, MCAP or ULog, from its first to its last byte and onto ticks; whether it could be read.
+/// Reads an MCAP or ULog file from its first to its last byte and puts it onto ticks; returns whether it could be read.
 pub(super) fn file(bytes: &[u8]) -> bool {
     let Ok(survey) = Survey::read_from(&mut &*bytes) else { return false };
     if let Ok(gathered) = gather_from(&mut &*bytes, &MAP)
@@ -59,7 +59,7 @@ pub(super) fn file(bytes: &[u8]) -> bool {
     true
 }
 
-/// A long flight through the index of its file; whether it could be read.
+/// Reads a long flight through the index of its file; returns whether it could be read.
 pub(super) fn indexed(bytes: &[u8]) -> bool {
     let input = Box::new(Cursor::new(bytes.to_vec()));
     let Ok(Some(opened)) = OpenedFlight::open_long(Path::new("damaged"), None, input) else {
@@ -77,12 +77,12 @@ pub(super) fn indexed(bytes: &[u8]) -> bool {
     true
 }
 
-/// A message by a sound definition, as CDR and as ULog.
+/// Decodes a message by a valid definition, as CDR and as ULog.
 pub(super) fn of_definition(bytes: &[u8]) {
     let _ = (decode(&LAYOUT, bytes), decode_packed(&LAYOUT, bytes), DESCRIBED.decode(bytes));
 }
 
-/// A definition, and a message by it.
+/// Reads a definition, and a message by it.
 pub(super) fn definition(text: &[u8]) {
     if let Ok(descriptor) = Descriptor::parse("p.T", text) {
         let _ = (descriptor.decode(&message()), descriptor.decode(text));
@@ -96,7 +96,7 @@ pub(super) fn definition(text: &[u8]) {
     }
 }
 
-/// A topic map.
+/// Reads a topic map.
 pub(super) fn map(text: &[u8]) {
     if let Ok(map) = Map::parse(&String::from_utf8_lossy(text), "damaged") {
         let _ = map.rule("/fmu/out/vehicle_odometry", "px4_msgs/msg/VehicleOdometry");

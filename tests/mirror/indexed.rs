@@ -1,4 +1,4 @@
-//! Long flights, read part by part through the index of their file, against the same flights read whole.
+//! Long flights that are read part by part through the index of their file, compared with the same flights read whole.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -11,10 +11,10 @@ use twin_foreign::{OpenedFlight, RecordedFlight};
 
 use super::made::{Form, PLAIN, file, flight};
 
-/// Longer than what is read whole, with a hole that a part ends in.
+/// A flight longer than those that are read whole, with a hole in which a part ends.
 const LONG: Form = Form { seconds: LONG_S + 30.0, hole_s: Some((53.0, 55.5)), ..PLAIN };
 
-/// Filters that started 4 s earlier or at the start of the flight: rounding of accelerations of some m/s².
+/// The filters start 4 s earlier, or at the start of the flight, so accelerations of some m/s² differ by rounding.
 const ROUNDING: f64 = 1e-9;
 
 pub(super) fn both(path: &Path) -> (OpenedFlight, OpenedFlight) {
@@ -26,7 +26,7 @@ pub(super) fn footage(opened: &OpenedFlight) -> &Arc<dyn Footage> {
     opened.long.as_ref().expect("it is long and has chunks")
 }
 
-/// The rows of `part` are those of `whole` from tick `from` on, numbers that need no fit to `tolerance`.
+/// Asserts that the ticks of `part` are those of `whole` from tick `from` on. Numbers that need no fit may differ by `tolerance`.
 pub(super) fn assert_same(
     part: &RecordedFlight,
     whole: &RecordedFlight,
@@ -67,7 +67,7 @@ fn a_long_flight_read_part_by_part_is_the_one_read_whole() {
         let (long, whole) = both(&path);
         let footage = footage(&long);
         assert_eq!(footage.ticks(), whole.recorded.instants.len());
-        // Parts in any order, of any length, over the hole and at both ends.
+        // The parts are in any order and of any length, and lie over the hole and at both ends.
         for (from, to) in
             [(5200, 5700), (0, 500), (14_700, footage.ticks()), (5600, 5601), (5200, 5700)]
         {
@@ -81,10 +81,10 @@ fn a_long_flight_read_part_by_part_is_the_one_read_whole() {
             twin_foreign::Effort::Fitted { fit, .. } => fit.gain,
             other => panic!("{other:?}"),
         };
-        // The same circle: the stretches say what the whole says, to what H takes.
+        // The whole flight is one circle, so the stretches give the same gain, up to the run-in of the filter H.
         assert!((gain(&long) / gain(&whole) - 1.0).abs() < 1e-3);
         assert!(long.signals.notes.iter().any(|note| note.contains("stretches")));
-        // Holes between stretches are no gaps of the recording.
+        // The time between two stretches is not a gap of the recording.
         assert_eq!(long.signals.used[0].timing.gaps, 0, "{:?}", long.signals.used[0]);
     }
 }
@@ -101,7 +101,7 @@ fn a_long_flight_in_shadow_predicts_what_the_whole_one_predicts() {
         assert_eq!(ours.residual_known.to_bits(), other.residual_known.to_bits(), "{ours:?}");
         assert_eq!(ours.residual.is_some(), other.residual.is_some());
         if let (Some(a), Some(b)) = (ours.residual, other.residual) {
-            // A gain that differs by 1e-3 of 10 N/kg.
+            // The gain may differ by 1e-3 of 10 N/kg.
             assert!((a.mean - b.mean).abs() < 0.02, "{a:?} {b:?}");
         }
     }
@@ -122,7 +122,7 @@ fn the_file_of_a_recorder_that_was_killed_is_read_through_its_chunks() {
         "{problems:?}"
     );
     assert_eq!(long.survey.messages, whole.survey.messages);
-    // A summary that does not hold is no summary, and nothing else is lost with it.
+    // A summary that is wrong counts as missing; the rest of the file is still read.
     let mut bad = whole_file.clone();
     let at = bad.len() - 8 - 20;
     bad[at..at + 8].copy_from_slice(&u64::MAX.to_le_bytes());
@@ -130,7 +130,7 @@ fn the_file_of_a_recorder_that_was_killed_is_read_through_its_chunks() {
     assert!(footage(&long).ticks() > 23_900);
 }
 
-/// The chunk of the file that lies at this share of it: where its middle is, found by walking the records.
+/// Middle of the chunk that lies at this share of the file, found by walking the records.
 fn chunk_at(bytes: &[u8], share: f64) -> usize {
     let mut at = 8;
     loop {
@@ -145,7 +145,7 @@ fn chunk_at(bytes: &[u8], share: f64) -> usize {
 #[test]
 fn a_damaged_chunk_far_inside_is_unknown_when_it_is_played_and_said_once() {
     let mut bytes = flight(Form { compression: None, hole_s: None, ..LONG });
-    // Between two stretches, so that opening the file does not meet it.
+    // The damage lies between two stretches, so that opening the file does not find it.
     let middle = chunk_at(&bytes, 0.36);
     bytes[middle] ^= 0x55;
     let opened = OpenedFlight::open(&file("long_damaged.mcap", &bytes), None).expect("a flight");
@@ -155,7 +155,7 @@ fn a_damaged_chunk_far_inside_is_unknown_when_it_is_played_and_said_once() {
     for repeat in 0..2 {
         let part = footage.part(near - 300, near + 300);
         let unknown = part.instants.iter().filter(|i| i.chi[0].is_none()).count();
-        // A chunk of 16 kB holds a second or two of these messages.
+        // A chunk of 16 kB holds one or two seconds of these messages.
         assert!((20..400).contains(&unknown), "{unknown}");
         let said = footage.troubles();
         assert_eq!(said.len(), usize::from(repeat == 0), "{said:?}");

@@ -1,5 +1,5 @@
-//! Flights that still go on: a Foxglove server of the older protocol written by hand, and a file that grows, both with the
-//! circle flown as the clock on the wall goes.
+//! Flights in progress: a Foxglove server of the older protocol, written by hand, and a file that grows. Both fly the circle at the
+//! speed of the wall clock.
 
 use std::collections::BTreeMap;
 use std::net::{TcpListener, TcpStream};
@@ -19,11 +19,11 @@ use twin_foreign::{OpenedFlight, RecordedFlight};
 use super::made::{ODOMETRY, THRUST, file, messages, truth};
 use crate::patience::{PATIENCE, Patience, clock, until};
 
-/// A cubic over the longest hole that is no gap, 0.2 s, on a circle of 1 m at 1.2 rad/s: (1.2 * 0.2)^4 / 384 and more for slopes
-/// of unequal steps.
+/// Error of a cubic over the longest hole that is no gap, 0.2 s, on a circle of 1 m at 1.2 rad/s: (1.2 * 0.2)^4 / 384, and more for
+/// the slopes of unequal steps.
 const BETWEEN_SAMPLES_M: f64 = 5e-3;
 
-/// What the server does.
+/// Behaviour of the server.
 const SAYS: u8 = 0;
 const SILENT: u8 = 1;
 const HANGS_UP: u8 = 2;
@@ -33,7 +33,7 @@ const TOPICS: [(&str, &str, &str); 2] = [
     ("/fmu/out/vehicle_thrust_setpoint", "px4_msgs/msg/VehicleThrustSetpoint", THRUST),
 ];
 
-/// Microseconds of the flight controller, which are also those of the log, at a time of the flight.
+/// Time of the flight controller at a time of the flight, µs; the log has the same time.
 fn t_us(t_s: f64) -> u64 {
     5_000_000 + (t_s * 1e6) as u64
 }
@@ -50,8 +50,8 @@ fn accept(stream: TcpStream) -> WebSocket<TcpStream> {
     tungstenite::accept_hdr(stream, choose).expect("a handshake")
 }
 
-/// One connection: says what there is, waits for the subscriptions, then flies until it is told to hang up. Returns the time of the
-/// flight in its last message, s.
+/// Serves one connection: it advertises the channels, waits for the subscriptions, then flies until it is told to hang up. Returns the
+/// time of the flight in its last message, s.
 fn serve(stream: TcpStream, start: Instant, mood: &AtomicU8) -> f64 {
     let mut socket = accept(stream);
     let channel = |(id, (topic, name, text)): (usize, &(&str, &str, &str))| json!({ "id": 7 + id, "topic": topic, "encoding": "cdr", "schemaName": name, "schema": text });
@@ -99,19 +99,19 @@ fn footage(opened: &OpenedFlight) -> &Arc<dyn Footage> {
     opened.long.as_ref().expect("it is read as it goes on")
 }
 
-/// The newest second, and the time of the flight at its first tick.
+/// The newest second, and the time of the flight at its first tick, s.
 fn newest(opened: &OpenedFlight) -> (RecordedFlight, f64) {
     let ticks = footage(opened).ticks();
     let from = ticks.saturating_sub(100);
     (footage(opened).part(from, ticks), zero_s(opened) + from as f64 * TICK_S)
 }
 
-/// Time of the flight at the first tick.
+/// Time of the flight at the first tick, s.
 fn zero_s(opened: &OpenedFlight) -> f64 {
     (opened.signals.start_ns - 5_000_000_000) as f64 * 1e-9
 }
 
-/// Positions of the newest second lie on the circle where they are known; how many are.
+/// Asserts that the known positions of the newest second lie on the circle; returns their number.
 fn known_on_the_circle(opened: &OpenedFlight) -> usize {
     let (part, first_s) = newest(opened);
     let mut known = 0;
@@ -147,8 +147,8 @@ fn a_stream_of_the_older_protocol_is_followed_through_silence_and_a_lost_connect
 
     mood.store(SILENT, Ordering::Relaxed);
     until("silence", || !live.is_up());
-    // Time goes on, and nothing is known in it.
-    until("a second of which nothing is known", || known_on_the_circle(&opened) == 0);
+    // Time goes on, but every value is unknown.
+    until("a second in which every value is unknown", || known_on_the_circle(&opened) == 0);
     assert!(live.news().iter().any(|text| text.contains("silent")));
 
     mood.store(SAYS, Ordering::Relaxed);
@@ -173,7 +173,7 @@ fn a_server_that_is_gone_without_a_word_is_lost_and_tried_again() {
     let mood = Arc::new(AtomicU8::new(SAYS));
     let theirs = Arc::clone(&mood);
     let start = clock();
-    // The first connection stays open, as that of a machine without power does; nobody answers on it.
+    // The first connection stays open, like that of a machine that lost power; nobody answers on it.
     let gone = std::thread::spawn(move || {
         let first = listener.accept().expect("a client").0;
         let kept = first.try_clone().expect("a handle");
@@ -206,7 +206,7 @@ fn the_last_value_is_not_held_for_longer_than_a_gap() {
     let last_s = zero_s(&opened) + known.expect("positions") as f64 * TICK_S;
     mood.store(HANGS_UP, Ordering::Relaxed);
     let sent_s = server.join().expect("the server ends well");
-    // Everything after the last message is unknown, from the first tick after it on; the tick before it may be off by rounding.
+    // All ticks after the last message are unknown; rounding may shift the last known tick by one.
     assert!(last_s < sent_s + TICK_S, "known until {last_s} s, sent until {sent_s} s");
 }
 
@@ -227,7 +227,7 @@ fn a_file_that_is_still_written_is_followed_until_its_recorder_closes_it() {
     let (mut opened, mut known) = (None, 0);
     while known < 50 {
         assert!(patience.lasts(), "{known} positions are known");
-        // A chunk each 0.1 s.
+        // One chunk every 0.1 s.
         for _ in 0..10 {
             std::thread::sleep(Duration::from_millis(10));
             let t_s = start.elapsed().as_secs_f64();

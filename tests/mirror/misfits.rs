@@ -1,4 +1,4 @@
-//! Files that are whole and yet not what one hoped for: what is wrong is said, and what could be used.
+//! Files that are whole but unusual: a message names the defect, and the usable part is used.
 
 use std::collections::BTreeMap;
 use std::io::Cursor;
@@ -13,7 +13,7 @@ use super::made::{Form, PLAIN, file, flight};
 /// A channel to write: topic, schema, its encoding and text, encoding of the messages.
 type Channel<'a> = (&'a str, &'a str, &'a str, &'a str, &'a str);
 
-/// A file of these channels; each message is `(channel, time in ms, bytes)`.
+/// A file with these channels; each message is `(channel, time in ms, bytes)`.
 fn made(channels: &[Channel<'_>], messages: &[(usize, u64, Vec<u8>)]) -> Vec<u8> {
     let mut writer = mcap::WriteOptions::new()
         .compression(None)
@@ -132,7 +132,7 @@ fn times_that_run_backwards_repeat_or_stand_beside_nan_are_counted_and_left_out(
     );
     for (tick, instant) in opened.recorded.instants.iter().enumerate() {
         let x = instant.chi[0].expect("no hole");
-        // A line stays a line whatever was left out; time starts with the first sample.
+        // The motion is a straight line, so the samples that were left out do not change it. Time starts with the first sample.
         assert!((x - opened.recorded.times_s[tick]).abs() < 1e-9, "{tick}: {x}");
         assert_eq!(instant.chi[3], None);
     }
@@ -146,7 +146,7 @@ fn record(opcode: u8, body: &[u8]) -> Vec<u8> {
 #[test]
 fn a_channel_that_stands_in_the_summary_alone_is_an_empty_one() {
     let text = |text: &str| [&(text.len() as u32).to_le_bytes()[..], text.as_bytes()].concat();
-    // As rosbag2 writes it: a channel without a message is in no chunk. Opcodes by the MCAP specification: header, end of data,
+    // rosbag2 writes a channel without a message into no chunk. The opcodes are those of the MCAP specification: header, end of data,
     // channel, footer.
     let channel = [&7_u16.to_le_bytes()[..], &[0; 2], &text("/mode"), &text("cdr"), &[0; 4]];
     let bytes = [
@@ -174,7 +174,7 @@ fn transforms_in_protobuf_give_the_pose_of_the_base() {
         parent_frame_id: "world".to_owned(),
         child_frame_id: name.to_owned(),
         translation: Some(Vector3 { x, y: 0.5, z: 1.0 }),
-        // A yaw that grows with x: what never changes was not measured.
+        // The yaw grows with x, because a quantity that never changes counts as not measured.
         rotation: Some(Quaternion { x: 0.0, y: 0.0, z: sin(x / 2.0), w: cos(x / 2.0) }),
     };
     let schema = FrameTransforms::get_schema().expect("a schema");

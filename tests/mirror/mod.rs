@@ -1,4 +1,4 @@
-//! Flights that others recorded: made files of every kind, damage of every kind, and the real ones where they are at hand.
+//! Flights that other programs recorded: made files of every kind, damaged files, and real files if they are available.
 
 mod damage;
 mod fuzz;

@@ -1,5 +1,5 @@
-//! Long recordings of this program, read part by part through the index of their file: the same numbers bit for bit, whatever the
-//! chunks of the file are like.
+//! Long recordings of this program that are read part by part through the index of their file: the numbers are equal bit for bit, in
+//! whatever way the file is divided into chunks.
 
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -14,10 +14,10 @@ use twin_scenario::Scenario;
 use super::indexed::{assert_same, both, footage};
 use super::made::file;
 
-/// Longer than what is read whole.
+/// Number of ticks, more than those of a recording that is read whole.
 const TICKS: u64 = 13_000;
 
-/// An own recording of so many ticks, made of a short flight whose ticks are counted on.
+/// A recording of this program with `ticks` ticks: a short flight, repeated with continued tick numbers.
 fn own(name: &str, ticks: u64) -> PathBuf {
     let hover = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/hover.toml");
     let scenario = Scenario::load(&hover, &[]).expect("a scenario");
@@ -30,7 +30,7 @@ fn own(name: &str, ticks: u64) -> PathBuf {
         let mut tick = flown[index as usize % flown.len()].clone();
         tick.index = index;
         tick.measurement.t_s = index as f64 * twin_core::notation::TICK_S;
-        // No two ticks are the same, so a tick in the wrong place shows.
+        // All ticks differ, so that a tick in the wrong place is found.
         tick.measurement.chi[0] += index as f64 * 1e-6;
         recorder.record(Arc::new(tick)).expect("recorded");
     }
@@ -47,7 +47,7 @@ fn a_long_recording_of_this_program_comes_back_bit_for_bit_also_without_its_end(
         let (long, whole) = both(&path);
         let footage = footage(&long);
         assert!(long.is_own());
-        // Read whole, the last chunk of a cut file is left out; by the index its whole records are used.
+        // Reading a cut file whole leaves out its last chunk; reading by the index uses the whole records of that chunk.
         let last = whole.recorded.instants.len();
         assert!(last > 12_500 && footage.ticks() >= last, "{last} {}", footage.ticks());
         for (from, to) in [(0, 500), (5_950, 6_100), (last - 130, last)] {
@@ -58,7 +58,7 @@ fn a_long_recording_of_this_program_comes_back_bit_for_bit_also_without_its_end(
     }
 }
 
-/// The messages of `path` in another file, in another order.
+/// Writes the messages of `path` to another file, in another order.
 fn rewritten(
     path: &Path,
     name: &str,
@@ -77,7 +77,7 @@ fn rewritten(
     file(name, &writer.into_inner().into_inner())
 }
 
-/// Chunks of a hundred kilobytes hold some ten ticks, and none begins where a block does.
+/// Chunks of a hundred kilobytes, which hold some ten ticks; no chunk begins where a block does.
 fn small() -> WriteOptions {
     WriteOptions::new().chunk_size(Some(100_000))
 }
@@ -96,14 +96,14 @@ fn chunks_of_any_size_and_kind_hold_the_same_flight() {
         let opened = OpenedFlight::open(&path, None).expect("a flight");
         let footage = footage(&opened);
         assert_eq!(footage.ticks(), wanted.instants.len(), "{name}");
-        // In the order of a flight, of jumps, and over the end of a chunk in each of them.
+        // The parts are in the order of a flight, in the order of seeks, and over the end of a chunk.
         for (from, to) in [(0, 100), (100, 200), (12_345, 13_000), (5_950, 6_100), (200, 200)] {
             assert_eq!(footage.part(from, to).instants.len(), to - from, "{name}");
             assert_same(&footage.part(from, to), &wanted, from, 0.0);
         }
         assert!(footage.troubles().is_empty(), "{name}");
     }
-    // Without any index there is nothing to read it by.
+    // Without a message index the file cannot be read by parts.
     let options = small().emit_message_indexes(false);
     let path = rewritten(&path, "own_no_index.mcap", options, |_| ());
     let opened = OpenedFlight::open(&path, None).expect("a flight");
@@ -114,7 +114,7 @@ fn chunks_of_any_size_and_kind_hold_the_same_flight() {
 #[test]
 fn chunks_that_overlap_in_time_are_read_in_the_order_of_the_file() {
     let path = own("own_in_order.mcap", TICKS);
-    // Of every four seconds the even ticks, then the odd ones: several chunks each, of the same time.
+    // Of every four seconds, the even ticks come first, then the odd ones: several chunks each, which overlap in time.
     let interleave = |messages: &mut Vec<Message<'_>>| {
         messages.sort_by_key(|message| (message.sequence / 400, message.sequence % 2));
     };
@@ -135,7 +135,7 @@ fn many_readers_at_once_read_what_one_reads() {
     std::thread::scope(|scope| {
         for reader in 0..4 {
             let whole = &whole.recorded;
-            // Each goes its own way over the same ticks.
+            // Each reader visits the same ticks in another order.
             scope.spawn(move || {
                 for k in 0..40 {
                     let from = (k * (2 * reader + 1)) % 40 * 75;
@@ -146,15 +146,15 @@ fn many_readers_at_once_read_what_one_reads() {
     });
 }
 
-/// Where the numbers of the summary's chunk indexes lie that say where the message index of the second channel of the chunk is.
+/// Positions of the numbers in the chunk indexes of the summary that give the place of the message index of each chunk's second channel.
 fn second_indexes(bytes: &[u8]) -> Vec<usize> {
     let long = |at: usize| u64::from_le_bytes(bytes[at..at + 8].try_into().expect("eight"));
     let mut at = 8;
     let mut found = Vec::new();
     while at + 9 < bytes.len() {
         if bytes[at] == 0x08 {
-            // Times of the first and last message, place and length of the chunk, length of the map; each entry is a channel and
-            // a place, ten bytes. The second in the order of the file is meant.
+            // Times of the first and last message, place and length of the chunk, length of the map; each entry of the map is a channel
+            // and a place, ten bytes. This finds the second entry in the order of the file.
             let map = at + 9 + 4 * 8 + 4;
             let length = u32::from_le_bytes(bytes[map - 4..map].try_into().expect("four"));
             let mut places: Vec<usize> =
@@ -169,7 +169,7 @@ fn second_indexes(bytes: &[u8]) -> Vec<usize> {
 
 #[test]
 fn an_index_that_miscounts_its_chunks_is_said_and_no_tick_is_made_up() {
-    // The ticks are the second channel of every chunk, and so is their message index.
+    // The ticks are the second channel of every chunk, so their message index is the second one.
     let only_ticks = |messages: &mut Vec<Message<'_>>| {
         messages.retain(|m| m.channel.topic == "/twin/tick" || m.channel.topic == "/tf");
     };
@@ -177,7 +177,7 @@ fn an_index_that_miscounts_its_chunks_is_said_and_no_tick_is_made_up() {
     let path = rewritten(&path, "own_two_channels.mcap", small(), only_ticks);
     let mut bytes = std::fs::read(&path).expect("it is there");
     let places = second_indexes(&bytes);
-    // One chunk claims a tick more, a later one a tick less: together they are what the file says.
+    // One chunk claims a tick more, and a later one a tick less; the sum agrees with the file.
     let (more, less) = (places[places.len() / 3], places[places.len() / 2]);
     for (place, step) in [(more, -16_i64), (less, 16)] {
         let at = u64::from_le_bytes(bytes[place..place + 8].try_into().expect("eight"));
@@ -189,7 +189,7 @@ fn an_index_that_miscounts_its_chunks_is_said_and_no_tick_is_made_up() {
     let said = footage.troubles();
     assert_eq!(said.len(), 2, "{said:?}");
     assert!(said.iter().all(|text| text.contains("its index says")), "{said:?}");
-    // One tick is not there, one is left out, those between them come a tick late; the rest is in its place.
+    // One tick is missing, one is left out, and the ticks between them are late by one; all others are in their place.
     let unknown: Vec<usize> =
         (0..all.instants.len()).filter(|tick| all.instants[*tick].chi[0].is_none()).collect();
     assert_eq!(unknown.len(), 1, "{unknown:?}");

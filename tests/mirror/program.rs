@@ -130,7 +130,7 @@ fn what_is_unknown_in_a_flight_is_unknown_in_its_recording_its_page_and_its_csv(
         }
     }
     assert!(first["shadow"]["rows"][0]["coordinate_known"].as_f64().expect("a share") < 0.9);
-    // The made vehicle obeys its thrust, so the twin holds; its torque is unknown.
+    // The made vehicle obeys its thrust, so the twin follows it; its torque is unknown.
     let divergence = &first["divergence"];
     assert_eq!(
         (&divergence["light"], &divergence["from"]["own_attitude"]),

@@ -1,4 +1,4 @@
-//! Real flights, where the folder that holds them is at hand (`TWIN_FLIGHTS`, or `../shared/flights`); otherwise skipped, saying so.
+//! Real flights from the folder `TWIN_FLIGHTS`, or `../shared/flights`. Without the folder the tests are skipped and say so.
 
 use std::path::{Path, PathBuf};
 
@@ -43,7 +43,7 @@ fn px4_flights_give_a_thrust_gain_near_twice_gravity_and_the_rows_whose_torque_g
             panic!("{name}: {:?}", recorded.effort)
         };
         assert_eq!(*input, Quantity::Thrust, "{name}");
-        // Hovering needs the gain times the mean thrust to be gravity: an independent check that the axes are right.
+        // In hover the gain times the mean thrust equals gravity; this is an independent check of the axes.
         assert!((fit.gain * fit.mean_input / 9.81 - 1.0).abs() < 0.05, "{name}: {fit:?}");
         assert!(fit.standard_error < 0.05 * fit.gain, "{name}: {fit:?}");
         assert!(report.scored.rows[2].residual_known > 0.5, "{name}");
@@ -66,11 +66,11 @@ fn the_bag_of_a_vehicle_that_is_carried_has_joints_and_no_force() {
     let last = (0..recorded.instants.len()).rev().find_map(q0).expect("known");
     // The arm is driven from 0.18 to 1.57 rad.
     assert!((first - 0.18).abs() < 0.05 && (last - 1.57).abs() < 0.05, "{first} {last}");
-    // The joint rate in the log is zero; ours is not.
+    // The joint rate in the log is zero, and ours is not.
     let fastest = recorded.instants.iter().filter_map(|i| i.chi_dot[6]).fold(0.0, f64::max);
     assert!(fastest > 0.2, "{fastest}");
     assert!(report.scored.rows.iter().all(|row| row.residual.is_none()));
-    // By the reader of the mcap package for Python: 32 channels, 8 of them without a message.
+    // The mcap package for Python counts 32 channels, 8 of them without a message.
     let survey = Survey::read(&path).expect("readable");
     let empty = survey.channels.iter().filter(|info| info.messages == 0).count();
     assert_eq!((survey.channels.len(), empty), (32, 8));
@@ -88,7 +88,7 @@ fn the_x8_commands_more_thrust_than_its_mass_needs() {
     assert!((2.2..2.8).contains(&mass_kg), "{mass_kg}");
     let z = report.scored.rows[2].residual.expect("known");
     assert!(z.mean > 1.920 * 9.81 * 1.15, "{z:?}");
-    // The adapter learns it: better than the weight of 1.92 kg by far.
+    // The adapter learns the heavier mass, so the forecast is far better than with the weight of 1.92 kg.
     let now = report.scored.prediction[0].rmse_z.expect("scored");
     assert!(now < 1.0, "{now}");
 }
@@ -101,7 +101,7 @@ fn the_crazyflies_own_messages_are_read_by_its_map_without_code() {
     let used: Vec<Quantity> = signals.used.iter().map(|used| used.quantity).collect();
     assert_eq!(used[..2], [Quantity::Position, Quantity::Euler]);
     let Effort::Fitted { fit, .. } = &recorded.effort else { panic!("{:?}", recorded.effort) };
-    // Thrust leads the acceleration seen by motion capture by 60 to 80 ms.
+    // The thrust leads the acceleration that motion capture measures by 60 to 80 ms.
     assert!((0.03..=0.12).contains(&fit.lag_s), "{fit:?}");
 }
 

@@ -1,4 +1,4 @@
-//! A simulated flight that was recorded, mirrored: the same residuals bit for bit, because nothing is resampled.
+//! A recording of a simulated flight, mirrored: the residuals are equal bit for bit, because no value is resampled.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ fn hover() -> Scenario {
     Scenario::load(&path, &["task.duration_s=3".to_owned()]).expect("a scenario")
 }
 
-/// Flies and records; the ticks as they were flown.
+/// Flies and records; returns the ticks of the flight.
 pub(crate) fn record(path: &std::path::Path) -> Vec<Tick> {
     let scenario = hover();
     let tuning = scenario.tuning().expect("gains");

@@ -1,4 +1,5 @@
-//! One made flight told by transforms and poses of ROS 2 and of Foxglove: every encoder but ours, and the same flight comes out.
+//! A made flight as transforms and poses of ROS 2 and Foxglove. Encoders of other programs write it, and every form gives the same
+//! flight.
 
 use std::collections::BTreeMap;
 use std::io::Cursor;
@@ -20,7 +21,7 @@ const STAMPED: &str =
 const TRANSFORM: &str = "===\nMSG: geometry_msgs/Transform\ngeometry_msgs/Vector3 translation\ngeometry_msgs/Quaternion rotation\n===\nMSG: geometry_msgs/Vector3\nfloat64 x\nfloat64 y\nfloat64 z\n";
 const POSE: &str = "std_msgs/Header header\ngeometry_msgs/Pose pose\n===\nMSG: geometry_msgs/Pose\ngeometry_msgs/Point position\ngeometry_msgs/Quaternion orientation\n===\nMSG: geometry_msgs/Point\nfloat64 x\nfloat64 y\nfloat64 z\n";
 
-/// The vehicle's clock is behind the recorder's by this much, ns: what is stamped is not when it was logged.
+/// Time by which the vehicle's clock is behind that of the recorder, ns: the stamp of a message is earlier than its log time.
 const LATE_NS: u64 = 5_000_000;
 
 /// Yaw of the vehicle over time, rad.
@@ -28,7 +29,7 @@ fn yaw(t_s: f64) -> f64 {
     0.3 * t_s
 }
 
-/// CDR of a text: length with the zero at its end, characters, zero.
+/// Appends a string in CDR: its length with the terminating zero, its characters, zero.
 fn text(cdr: Cdr, text: &str) -> Cdr {
     let sized = cdr.put((text.len() as u32 + 1).to_le_bytes());
     text.bytes().chain([0]).fold(sized, |cdr, byte| cdr.put([byte]))
@@ -40,13 +41,13 @@ fn header(cdr: Cdr, ns: u64) -> Cdr {
     text(cdr.put(sec.to_le_bytes()).put(nanosec.to_le_bytes()), "world")
 }
 
-/// Position and quaternion x y z w.
+/// Appends position and quaternion x y z w.
 fn pose(cdr: Cdr, p: &Vector3<f64>, q: &UnitQuaternion<f64>) -> Cdr {
     let numbers = [p.x, p.y, p.z, q.i, q.j, q.k, q.w];
     numbers.iter().fold(cdr, |cdr, number| cdr.put(number.to_le_bytes()))
 }
 
-/// A transform of ROS 2 of a frame.
+/// Appends a stamped transform of ROS 2 for the frame `child`.
 fn transform(cdr: Cdr, ns: u64, child: &str, p: &Vector3<f64>, q: &UnitQuaternion<f64>) -> Cdr {
     pose(text(header(cdr, ns), child), p, q)
 }
@@ -80,7 +81,7 @@ fn encoded(message: &impl Encode) -> Vec<u8> {
     bytes
 }
 
-/// Name, encodings, schema and the message of a time in ns and a pose.
+/// Name, encodings, schema, and the function that encodes a time in ns and a pose.
 struct Form {
     schema: (String, String, Vec<u8>),
     encoding: &'static str,
@@ -102,7 +103,7 @@ fn foxglove<M: Encode>(message: fn(u64, &Vector3<f64>, &UnitQuaternion<f64>) -> 
     Form { schema, encoding: "protobuf", message }
 }
 
-/// A frame that is not the vehicle's.
+/// Position of a frame of another object.
 fn elsewhere() -> Vector3<f64> {
     Vector3::new(9.0, 9.0, 9.0)
 }
@@ -187,7 +188,7 @@ fn transforms_and_poses_of_ros_and_foxglove_tell_the_same_flight() {
             let wanted = [p.x, p.y, p.z, 0.1, -0.2, yaw(t_s)];
             for (row, wanted) in wanted.iter().enumerate() {
                 let found = instant.chi[row].expect("known");
-                // Ticks lie on samples; times of a clock of today in f64 are good to 0.2 us, and a cubic to less.
+                // Ticks coincide with samples. A present time in f64 is exact to 0.2 us, and the error of a cubic is smaller.
                 assert!((found - wanted).abs() < 1e-6, "{name} {tick} {row}: {found} {wanted}");
             }
         }

@@ -1,4 +1,4 @@
-//! Flights made by these tests that turn under known torques: a vehicle in closed loop, written as PX4 would, in NED and FRD.
+//! Made flights that rotate under known torques: a vehicle in closed loop, in the form that PX4 writes, in NED and FRD.
 
 use std::collections::BTreeMap;
 use std::io::Cursor;
@@ -11,13 +11,13 @@ use twin_foreign::{Effort, Map, RecordedFlight, Torque, TorqueAxis, TorqueFit};
 
 use super::made::{Cdr, GAIN, ODOMETRY, THRUST, file, read};
 
-/// rad/s² per unit of torque about forward, right, down.
+/// Angular acceleration per unit of torque about forward, right, down, rad/s².
 const GAINS: [f64; 3] = [200.0, 150.0, 60.0];
 
-/// Principal inertia, kg m²: that it is not the same about all axes makes a gyroscopic torque.
+/// Principal moments of inertia, kg m². They differ, so there is a gyroscopic torque.
 const INERTIA: [f64; 3] = [0.02, 0.03, 0.05];
 
-/// What turns it forwards-right besides, rad/s².
+/// Constant roll acceleration besides the torques, rad/s².
 const TRIM: f64 = -2.0;
 
 const LAG_MS: usize = 30;
@@ -29,7 +29,7 @@ const ATTITUDE_GAIN: f64 = 4.0;
 const TORQUE: &str = THRUST;
 const WANTED: &str = "uint64 timestamp\nfloat32[4] q_d\n";
 
-/// A number between -1 and 1 that no neighbour tells.
+/// A pseudo-random number between -1 and 1 that is independent of its neighbours.
 fn noise(ms: usize, salt: u64) -> f64 {
     let mut x =
         (ms as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ salt.wrapping_mul(0xD1B5_4A32_D192_ED03);
@@ -45,7 +45,7 @@ fn angles(attitude: &Rotation3<f64>) -> Vector3<f64> {
     Vector3::new(roll, pitch, yaw)
 }
 
-/// The vehicle at a time.
+/// State of the vehicle.
 struct State {
     attitude: Rotation3<f64>,
     rate: Vector3<f64>,
@@ -57,7 +57,7 @@ struct State {
 }
 
 impl State {
-    /// One millisecond; returns torque and thrust that were asked for.
+    /// Advances by one millisecond; returns the commanded torque and thrust.
     fn step(&mut self, ms: usize, step_rad: f64) -> (Vector3<f64>, f64) {
         let inertia = Vector3::from(INERTIA);
         if ms.is_multiple_of(1987) {
@@ -84,7 +84,7 @@ impl State {
     }
 }
 
-/// The bytes of a flight whose wanted angles step by so much; `wanted` says whether they are logged.
+/// The bytes of a flight whose attitude set-point has steps of `step_rad`; `wanted` says whether the set-point is logged.
 fn flight(step_rad: f64, wanted: bool) -> Vec<u8> {
     let mut writer = mcap::WriteOptions::new()
         .profile("ros2")
@@ -178,10 +178,11 @@ fn a_flight_that_turns_gives_its_torque_gains_and_the_rows_of_the_attitude_are_k
     for row in 3..6 {
         assert!(report.scored.rows[row].residual_known > 0.9, "{row}");
     }
-    // The residual is the force that is asked for and does not move: against the trim. The gain's error, and the gusts' mean.
+    // The residual is the commanded torque that balances the trim. The bound covers the error of the gain and
+    // the mean of the gusts.
     let roll = report.scored.rows[3].residual.expect("known");
     assert!((roll.mean + TRIM).abs() < 0.5, "{roll:?}");
-    // With an inertia the same flight has torques in N m, here a 50th.
+    // With a known inertia the same flight has torques in N m, here smaller by a factor of 50.
     let known = generic("[vehicle]\ninertia_kg_m2 = [0.02, 0.03, 0.05]\n");
     let (_, heavy) = read(&path, &known);
     let report = shadow(&heavy, known.vehicle.inertia_kg_m2, &mut |_| {}).expect("ticks");

@@ -1,4 +1,4 @@
-//! Inertia matrix, accelerations and mass properties, one instant at a time.
+//! Inertia matrix, accelerations and mass properties at single instants.
 
 use nalgebra::{DVector, Isometry3, Matrix3, Matrix4, Vector3};
 use rapier3d_f64::prelude::*;
@@ -9,19 +9,19 @@ use twin_plant::{Articulation, new_world};
 use super::oracle::{Effort, Oracle, State};
 use super::rig::{aerial_manipulator, awkward, quiet_settings, random_state};
 
-/// Two ways to add up some hundred products of f64; measured 1e-13.
+/// Relative error of two orders of summation of some hundred products of f64; measured 1e-13.
 const MASS_TOLERANCE: f64 = 1e-9;
 
-/// Rapier's step at rest has no term that depends on its length: what remains is the rounding of `delta v / dt`.
+/// At rest, no term of Rapier's step depends on its length, so the error is the rounding of `delta v / dt`.
 const REST_TOLERANCE: f64 = 1e-6;
 
-/// Two steps extrapolated to length zero leave their square (1e-6 s times a few 10 /s, squared) and rounding.
+/// The extrapolation of two steps to length zero has an error of their square (1e-6 s times a few 10 /s, squared), and rounding.
 const MOVING_TOLERANCE: f64 = 1e-7;
 
 /// Step of the acceleration tests, s.
 const SHORT_STEP_S: f64 = 1e-6;
 
-/// The robot in Rapier at the pose and velocity of `state`.
+/// The robot in Rapier with the pose and velocity of `state`.
 fn placed(robot: &Robot, oracle: &Oracle<'_>, state: &State) -> (PhysicsWorld, Articulation) {
     let mut world = new_world(&quiet_settings().contact);
     let position = state.com - state.rotation * oracle.com_in_root;
@@ -115,7 +115,7 @@ fn accelerations_in_motion_are_the_oracles_but_for_the_length_of_the_step() {
     }
 }
 
-/// Second moments of mass of everything fixed together, `sum of m [c; 1] [c; 1]^T` plus spread, in the frame of `links[0]`.
+/// Second moments of mass of all links that are fixed together, `sum of m [c; 1] [c; 1]^T` plus spread, in the frame of `links[0]`.
 fn second_moments(robot: &Robot, links: &[usize]) -> Matrix4<f64> {
     let mut places = vec![None; robot.links.len()];
     places[links[0]] = Some(Isometry3::<f64>::identity());

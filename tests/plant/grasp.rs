@@ -1,20 +1,20 @@
-//! Friction holds the cube, and as much friction as Coulomb allows.
+//! Friction holds the cube up to the limit of Coulomb's law.
 
 use nalgebra::Vector3;
 use twin_core::tick::{GripperCommand, Truth};
 
 use super::rig::{Rig, RigSettings};
 
-/// Friction of pads and cube.
+/// Friction coefficient of pads and cube.
 const MU: f64 = 0.8;
 
-/// Coulomb's limit is sharp: with 5 % more the cube stays within the elastic give of the contacts …
+/// Slip with 5 % more than Coulomb's limit, which is sharp: the elastic give of the contacts …
 const HELD_MM: f64 = 0.1;
 
-/// … and with 5 % less it falls at 5 % of g: 980 mm in 2 s, far beyond the 20 mm at which it leaves the pads.
+/// … and with 5 % less, when the cube falls at 5 % of g: 980 mm in 2 s, far beyond the 20 mm at which it leaves the pads.
 const LOST_MM: f64 = 20.0;
 
-/// Share of the force that the contact solver leaves over at 4 iterations.
+/// Share of the force by which the contact solver is off at 4 iterations.
 const PRESS_TOLERANCE: f64 = 0.02;
 
 /// Time in which the fingers build up their force, ticks of 10 ms.

@@ -8,10 +8,10 @@ use twin_scenario::Scenario;
 
 use super::rig::{Rig, RigSettings, aerial_manipulator, repository};
 
-/// Rapier's joint limits and couplings are constraints of 1e6 Hz: measured give below a micrometre.
+/// Rapier's joint limits and couplings are constraints of 1e6 Hz; their measured give is below a micrometre.
 const FINGER_TOLERANCE_M: f64 = 1e-5;
 
-/// The coupling gives a little while one finger alone pushes with the force of both: measured 14 µm.
+/// Give of the coupling while one finger alone pushes with the force of both; measured 14 µm.
 const COUPLING_TOLERANCE_M: f64 = 5e-5;
 
 /// Give of an arm joint's limit under full torque, rad: 0.1°.

@@ -1,4 +1,4 @@
-//! The simulated vehicle against an independent model of the same URDF, and its gripper against Coulomb.
+//! The simulated vehicle compared with an independent model of the same URDF, and its gripper with Coulomb's law.
 
 mod dynamics;
 mod grasp;

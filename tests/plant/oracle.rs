@@ -1,7 +1,7 @@
-//! The vehicle's equations of motion a second time: recursive Newton-Euler in the world frame, straight from the URDF.
+//! An independent implementation of the vehicle's equations of motion: recursive Newton-Euler in the world frame, from the URDF.
 //!
-//! Generalised velocity `[v_com omega | joint rates]`: velocity of the centre of mass of the root body (the root link and
-//! what is fixed to it) and angular velocity, both in the world, then the moving joints in the order of the [`Robot`].
+//! Generalised velocity `[v_com omega | joint rates]`: velocity of the centre of mass of the root body (the root link and the links
+//! fixed to it) and angular velocity, both in the world, then the moving joints in the order of the [`Robot`].
 
 use nalgebra::{
     DMatrix, DVector, Isometry3, Matrix3, Point3, Translation3, UnitQuaternion, Vector3,
@@ -24,14 +24,14 @@ pub(super) struct State {
     pub velocity: DVector<f64>,
 }
 
-/// What acts besides gravity: force through the origin of the root link and moment, in the body frame, and joint efforts.
+/// Effort besides gravity: force through the origin of the root link and moment, in the body frame, and joint efforts.
 #[derive(Clone, Debug)]
 pub(super) struct Effort {
-    /// N.
+    /// Force, N.
     pub force_in_body: Vector3<f64>,
-    /// N m.
+    /// Moment, N m.
     pub moment_in_body: Vector3<f64>,
-    /// N m or N.
+    /// Joint efforts, N m or N.
     pub joints: DVector<f64>,
 }
 
@@ -59,7 +59,7 @@ pub(super) struct Oracle<'a> {
 }
 
 impl<'a> Oracle<'a> {
-    /// Without armature and damping.
+    /// The equations of `robot`, without armature and damping.
     pub(super) fn new(robot: &'a Robot) -> Self {
         let moving: Vec<usize> =
             (0..robot.joints.len()).filter(|&j| robot.joints[j].kind != JointKind::Fixed).collect();
@@ -134,7 +134,7 @@ impl<'a> Oracle<'a> {
         DVector::from_vec(all)
     }
 
-    /// Effort that makes `acceleration`, by recursion over the links.
+    /// Effort that gives `acceleration`, by recursion over the links.
     pub(super) fn inverse_dynamics(
         &self,
         state: &State,
@@ -173,7 +173,7 @@ impl<'a> Oracle<'a> {
         let (v, a) = (&state.velocity, acceleration);
         let omega = Vector3::new(v[3], v[4], v[5]);
         let alpha = Vector3::new(a[3], a[4], a[5]);
-        // From the centre of mass back to the origin of the root link.
+        // The lever arm from the centre of mass back to the origin of the root link.
         let lever = -(state.rotation * self.com_in_root);
         let root = Motion {
             pose: Isometry3::from_parts((state.com + lever).into(), state.rotation),
@@ -226,7 +226,7 @@ fn child_motion(parent: &Motion, joint: &Joint, q: f64, qd: f64, qdd: f64) -> Mo
     }
 }
 
-/// Force on a link and moment about its origin that its motion takes, in the world.
+/// Force on a link, and moment about its origin, that its motion requires, in the world.
 fn newton_euler(
     inertial: &twin_plant::model::Inertial,
     motion: &Motion,
@@ -246,7 +246,7 @@ fn origin(motion: &Motion) -> Vector3<f64> {
     motion.pose.translation.vector
 }
 
-/// Centre of mass of the root link with everything fixed to it, in the root link's frame.
+/// Centre of mass of the root link and all links fixed to it, in the root link's frame.
 fn root_com(robot: &Robot) -> Vector3<f64> {
     let mut places = vec![None; robot.links.len()];
     places[robot.root] = Some(Isometry3::identity());

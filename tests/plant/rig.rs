@@ -1,4 +1,4 @@
-//! Vehicles for the tests: the URDF as it is, an awkward relative of it, and a gripper on a base that does not move.
+//! Vehicles for the tests: that of the URDF, a variant that is harder to load, and a gripper on a base that does not move.
 
 use std::path::{Path, PathBuf};
 
@@ -14,19 +14,19 @@ use twin_scenario::Scenario;
 
 use super::oracle::{GRAVITY_M_S2, Oracle, State};
 
-/// A file of the repository.
+/// Path of a file of the repository.
 pub(super) fn repository(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
 }
 
-/// The vehicle.
+/// The vehicle of the URDF.
 pub(super) fn aerial_manipulator() -> Robot {
     Robot::load(&repository("urdf/aerial_manipulator.urdf"), &Packages(Vec::new()))
         .expect("the URDF loads")
 }
 
-/// The vehicle with what it spares the loader: a root whose centre of mass is off its origin, with products of inertia,
-/// and a turned, massive link fixed to it.
+/// The vehicle with features that its URDF lacks: a root whose centre of mass is off its origin, with products of inertia, and a
+/// rotated link with mass that is fixed to it.
 pub(super) fn awkward() -> Robot {
     let mut robot = aerial_manipulator();
     let root = robot.root;
@@ -75,7 +75,7 @@ pub(super) fn random_state(robot: &Robot, oracle: &Oracle<'_>, seed: u64, speed:
         }),
     );
     let mut velocity = DVector::from_fn(oracle.dofs(), |_, _| speed * draw());
-    // Fingers slide in metres per second.
+    // The fingers slide, so their rates are in m/s.
     for (row, &joint) in oracle.moving.iter().enumerate() {
         if robot.joints[joint].kind == JointKind::Prismatic {
             velocity[6 + row] *= 0.1;
@@ -84,7 +84,7 @@ pub(super) fn random_state(robot: &Robot, oracle: &Oracle<'_>, seed: u64, speed:
     State { com: Vector3::new(draw(), draw(), 5.0 + draw()), rotation, joints, velocity }
 }
 
-/// Plant settings of the defaults with air, noise and scatter switched off.
+/// Plant settings of the defaults, with air, noise and scatter switched off.
 pub(super) fn quiet_settings() -> PlantSettings {
     let scenario = Scenario::load(&repository("scenarios/hover.toml"), &quiet())
         .expect("the overrides are valid");
@@ -112,7 +112,7 @@ pub(super) fn quiet() -> Vec<String> {
     off.into_iter().chain(zero.map(|key| format!("{key}=0.0"))).collect()
 }
 
-/// The same thrust from every rotor, the same torques at every instant.
+/// Inner controllers that always command the same thrust of every rotor and the same torques.
 pub(super) struct Constant(ActuatorCommand);
 
 impl InnerLoop for Constant {
@@ -121,28 +121,28 @@ impl InnerLoop for Constant {
     }
 }
 
-/// Mass and moments that no force of the gripper or the arm moves visibly within seconds, kg and kg m².
+/// Mass (kg) and moments of inertia (kg m²) so large that the forces of gripper and arm move the base invisibly within seconds.
 const ANCHOR: f64 = 1.0e4;
 
-/// Arm posture in which the hand points straight down, rad.
+/// Arm angles at which the hand points straight down, rad.
 const HAND_DOWN_RAD: [f64; 2] = [-0.3508, 1.1397];
 
-/// The vehicle with a base so heavy that it stays where it is; its rotors carry it, nothing else acts.
+/// The vehicle with a base so heavy that it stays where it is. Its rotors carry it, and no other force acts.
 pub(super) struct Rig {
     vehicle: SimulatedVehicle,
     setpoint: Setpoint,
     inner: Constant,
 }
 
-/// What a rig starts with.
+/// Initial state of a rig.
 pub(super) struct RigSettings {
     /// Mass of the cube between the fingers, kg; 0: none.
     pub cube_kg: f64,
-    /// Centre of the cube from the grasp point along the direction of the fingers, m.
+    /// Offset of the cube's centre from the grasp point along the direction of the fingers, m.
     pub cube_off_centre_m: f64,
     /// Force of each finger, N.
     pub grip_n: f64,
-    /// The arm is locked with the hand down; otherwise it is free and straight.
+    /// Whether the arm is locked with the hand down; otherwise it is free and straight.
     pub locked_arm: bool,
 }
 
@@ -190,12 +190,12 @@ impl Rig {
         Self { vehicle, setpoint: any_setpoint(), inner: Constant(command) }
     }
 
-    /// Torques of the free arm, N m.
+    /// Sets the torques of the free arm, N m.
     pub(super) fn set_torque(&mut self, joint_torque_n_m: Vector2<f64>) {
         self.inner.0.joint_torque_n_m = joint_torque_n_m;
     }
 
-    /// Advances by ticks of 10 ms with one command to the gripper; the truth after each.
+    /// Advances by `ticks` of 10 ms with one command to the gripper; returns the truth after each tick.
     pub(super) fn run(&mut self, ticks: usize, gripper: GripperCommand) -> Vec<Truth> {
         self.setpoint.gripper = gripper;
         (0..ticks)
@@ -207,7 +207,7 @@ impl Rig {
     }
 }
 
-/// A set-point for inner loops that do not look at it.
+/// A set-point for inner controllers that do not read it.
 pub(super) fn any_setpoint() -> Setpoint {
     let scenario = Scenario::load(&repository("scenarios/hover.toml"), &[]).expect("it loads");
     scenario.parts().expect("it builds").setpoint

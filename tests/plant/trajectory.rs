@@ -1,4 +1,4 @@
-//! One second of open-loop flight of the whole simulated vehicle against the oracle integrated by Runge and Kutta.
+//! One second of open-loop flight of the whole simulated vehicle, compared with the oracle, which a Runge-Kutta method integrates.
 
 use nalgebra::{DVector, Rotation3, UnitQuaternion, Vector2, Vector3};
 use twin_core::elementary::{acos, sin};
@@ -11,16 +11,16 @@ use twin_plant::{PlantSettings, SimulatedVehicle, Start};
 use super::oracle::{Effort, Oracle, State};
 use super::rig::{aerial_manipulator, any_setpoint, awkward, quiet_settings};
 
-/// The plant is first order in its substep of 0.25 ms: measured 0.6 mm, 0.021° and 0.03°. Thrust applied at the attitude of
-/// the beginning of a step instead of its middle gives 1.0 mm and 0.059°.
+/// The plant is first order in its substep of 0.25 ms; measured 0.6 mm, 0.021° and 0.03°. If the thrust acted at the attitude of the
+/// beginning of a step instead of its middle, the errors would be 1.0 mm and 0.059°.
 const POSITION_TOLERANCE_M: f64 = 0.8e-3;
 const ATTITUDE_TOLERANCE_DEG: f64 = 0.035;
 const JOINT_TOLERANCE_DEG: f64 = 0.05;
 
-/// The flight is only a test of gyroscopic terms and of the mid-step attitude if it tilts.
+/// Range of the largest tilt. Without tilt, the flight would not test gyroscopic terms and the attitude in the middle of a step.
 const TILT_DEG: std::ops::Range<f64> = 40.0..70.0;
 
-/// Plant step, s, and steps of the oracle in it.
+/// Plant step, s, and number of the oracle's steps in it.
 const STEP_S: f64 = 1e-3;
 const SUBSTEPS: u32 = 10;
 
@@ -37,7 +37,7 @@ fn command(k: u32) -> ActuatorCommand {
     ActuatorCommand { rotor_thrust_n, joint_torque_n_m, saturated: false }
 }
 
-/// Counts its calls: one for each step.
+/// Inner controllers that count their calls, one for each step, and command by the count.
 struct OpenLoop(u32);
 
 impl InnerLoop for OpenLoop {
@@ -59,7 +59,7 @@ fn simplified(mut robot: Robot) -> Robot {
     robot
 }
 
-/// Actuators that do at once what they are told.
+/// Actuators that follow their commands at once.
 fn settings() -> PlantSettings {
     let mut settings = quiet_settings();
     settings.vehicle.gripper.joint.clear();
@@ -71,13 +71,13 @@ fn settings() -> PlantSettings {
     settings
 }
 
-/// Force and moment of the rotors from their places, thrusts and directions of rotation.
+/// Force and moment of the rotors from their positions, thrusts and directions of rotation.
 fn wrench(settings: &PlantSettings, command: &ActuatorCommand) -> Effort {
     let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
     for (rotor, thrust) in settings.vehicle.rotors.iter().zip(command.rotor_thrust_n) {
         let [x, y, _] = rotor.position_m;
         force.z += thrust;
-        // x × z = -y, y × z = x; the air turns a counter-clockwise rotor's frame clockwise.
+        // x × z = -y, y × z = x; the air rotates the frame of a counter-clockwise rotor clockwise.
         moment += Vector3::new(
             y * thrust,
             -x * thrust,
@@ -91,7 +91,7 @@ fn wrench(settings: &PlantSettings, command: &ActuatorCommand) -> Effort {
     }
 }
 
-/// Largest distance (m), attitude (deg) and joint (deg) errors so far.
+/// Largest errors of distance (m), attitude (deg) and joints (deg) so far.
 #[derive(Default)]
 struct Errors {
     position_m: f64,
@@ -112,7 +112,7 @@ impl Errors {
     }
 }
 
-/// Flies for `ticks` of 10 ms; the errors and the largest tilt, deg.
+/// Flies for `ticks` of 10 ms; returns the errors and the largest tilt, deg.
 fn fly(robot: &Robot, ticks: u32) -> (Errors, f64) {
     let settings = settings();
     let mut oracle = Oracle::new(robot);
@@ -165,6 +165,6 @@ fn a_second_of_open_loop_flight_follows_the_oracle() {
 
 #[test]
 fn a_root_whose_mass_is_off_its_origin_follows_the_oracle_too() {
-    // Its weight is off the rotors' middle: it tips over sooner.
+    // The weight of this vehicle is off the middle of the rotors, so it tips over sooner.
     check(&simplified(awkward()), 40);
 }

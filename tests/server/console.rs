@@ -1,4 +1,4 @@
-//! A console for tests: a socket, the JSON messages and the telemetry frames, decoded by hand from the protocol's text.
+//! A console for tests: a socket, the JSON messages and the telemetry frames, decoded by hand from the text of the protocol.
 
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
@@ -12,14 +12,14 @@ use crate::patience::{PATIENCE, Patience};
 use twin_console::server::{Running, ServeOptions, spawn};
 use twin_scenario::Scenario;
 
-/// A scenario as it is.
+/// The scenario `name` with `overrides`.
 pub(super) fn scenario(name: &str, overrides: &[&str]) -> Scenario {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios").join(format!("{name}.toml"));
     let overrides: Vec<String> = overrides.iter().map(|&text| text.to_owned()).collect();
     Scenario::load(&file, &overrides).expect(name)
 }
 
-/// Hovers for longer than any test runs.
+/// A hover that lasts longer than any test.
 pub(super) fn hover() -> Scenario {
     scenario("hover", &["time_limit_s=3600", "task.duration_s=3600"])
 }
@@ -93,7 +93,7 @@ impl Frame {
     }
 }
 
-/// What arrived.
+/// A message that arrived.
 #[derive(Debug)]
 pub(super) enum Arrival {
     Json(Value),
@@ -110,7 +110,7 @@ impl Console {
         Self::connect_from(address, None, &address.to_string()).expect("a connection")
     }
 
-    /// Connects as a page of `origin` would; the status of a refusal is the error.
+    /// Connects as a page of `origin` would; if the server refuses, the error is the HTTP status.
     pub(super) fn connect_from(
         address: SocketAddr,
         origin: Option<&str>,
@@ -136,7 +136,7 @@ impl Console {
         self.socket.send(Message::text(text)).expect("the server reads");
     }
 
-    /// Sends without caring whether the server still reads.
+    /// Sends a message, even if the server no longer reads; returns whether it was sent.
     pub(super) fn try_send(&mut self, message: Message) -> bool {
         self.socket.send(message).is_ok()
     }
@@ -158,12 +158,12 @@ impl Console {
         }
     }
 
-    /// The next JSON message of a type.
+    /// The next JSON message of the type `wanted`.
     pub(super) fn message(&mut self, wanted: &str) -> Value {
         self.message_that(wanted, |_| true)
     }
 
-    /// The next JSON message of a type that fits.
+    /// The next JSON message of the type `wanted` for which `fits` is true.
     pub(super) fn message_that(&mut self, wanted: &str, fits: impl Fn(&Value) -> bool) -> Value {
         let patience = Patience::new();
         let mut last = Value::Null;
@@ -195,7 +195,7 @@ impl Console {
         panic!("no telemetry within {PATIENCE:?}");
     }
 
-    /// Reads until the connection is closed and returns the notices that came before and the reason.
+    /// Reads until the connection is closed; returns the notices before, and the code and reason of the close.
     pub(super) fn until_closed(&mut self) -> (Vec<String>, Option<(u16, String)>) {
         let mut notices = Vec::new();
         loop {
@@ -210,7 +210,7 @@ impl Console {
     }
 }
 
-/// One HTTP request on a connection of its own: status and the whole answer.
+/// Sends one HTTP request on a connection of its own; returns the status and the whole answer.
 pub(super) fn http(address: SocketAddr, request: &str, headers: &str, body: &str) -> (u16, String) {
     let host =
         if headers.contains("Host:") { String::new() } else { format!("Host: {address}\r\n") };

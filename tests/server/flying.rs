@@ -1,4 +1,4 @@
-//! What operators do: gains, presets, pause, step, speed, restart.
+//! Commands of operators: gains, presets, pause, step, speed, restart.
 
 use serde_json::Value;
 
@@ -82,10 +82,10 @@ fn a_paused_flight_stands_still_and_steps_exactly() {
     console.message_that("state", |state| state["tick"].as_u64() > Some(stopped + 20));
 }
 
-/// Most ticks from one state to the next at a twentieth of real time: two in 0.4 s, and the one that was under way.
+/// Most ticks from one state to the next at a twentieth of real time: two in 0.4 s, and one that had already begun.
 const MOST_SLOW_TICKS: u64 = 3;
 
-// That ticks are due when the speed says, tests of `server/pace.rs` show without a clock.
+// The tests of `server/pace.rs` check, without a clock, that ticks are due according to the speed.
 #[test]
 fn the_speed_follows_the_operator() {
     let running = serve();
@@ -170,7 +170,7 @@ fn a_flight_that_ends_keeps_its_last_state_with_the_verdict_and_can_be_flown_aga
     assert_eq!(newcomer["state"]["reason"], ended["reason"]);
     let events = newcomer["events"].as_array().unwrap();
     assert_eq!(events.iter().filter(|event| event["kind"] == "verdict").count(), 1);
-    // Asking an ended flight to step changes nothing; a restart flies again.
+    // A step command does not change a flight that has ended; a restart flies again.
     console.send(r#"{"type":"step","ticks":5}"#);
     let still = console.message("state");
     assert_eq!((&still["phase"], &still["tick"]), (&"ended".into(), &ended["tick"]));

@@ -1,4 +1,4 @@
-//! Foxglove's protocol on the wire: what is advertised, a transform that MeshCat is told too, and gains as parameters.
+//! Foxglove's protocol on the wire: the advertised channels, a transform that MeshCat also gets, and gains as parameters.
 
 use std::net::SocketAddr;
 
@@ -84,7 +84,7 @@ fn a_late_subscriber_to_a_paused_flight_sees_it_where_meshcat_does() {
         let path = format!("/twin/{}", transform.child_frame_id);
         let moved =
             |m: &rmpv::Value| is(m, "set_transform") && field(m, "path").as_str() == Some(&path);
-        // Once at the start, and once where it is now; a new connection for each keeps their order out of this.
+        // The server sends the initial pose and the present pose. A new connection for each body makes their order irrelevant.
         let mut seen = meshcat.until(moved);
         seen.extend(meshcat.until(moved));
         let (_, bytes) = field(seen.last().unwrap(), "matrix").as_ext().expect("a typed array");
@@ -128,7 +128,7 @@ fn a_gain_set_from_foxglove_is_in_force_for_everybody_and_a_refused_one_is_answe
     };
     assert_eq!(in_force(address), 1.5);
 
-    // A subscriber hears of it whoever sets it.
+    // A subscriber is informed of a gain, whoever sets it.
     console.send(r#"{"type":"set_gain","name":"slope.x","value":2.5}"#);
     client.json(|said| {
         let told = &said["parameters"][0];
@@ -159,7 +159,7 @@ fn foxglove_clients_that_read_nothing_do_not_delay_the_flight_and_a_restart_begi
         last = console.frame();
         assert_eq!(last.gap, 0);
     }
-    // What waited in the socket is older; the newest is from far after the first seconds.
+    // Older ticks waited in the socket; the newest tick is much later than the first seconds.
     let before = loop {
         let (time, _) = live.transforms(1);
         if time >= 2_000_000_000 {

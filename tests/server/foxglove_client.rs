@@ -14,7 +14,7 @@ use tungstenite::{Message, WebSocket};
 
 use crate::patience::{PATIENCE, Patience};
 
-/// What arrives: JSON, or the data of a subscription.
+/// A message that arrives: JSON, or the data of a subscription.
 pub(super) enum Said {
     Json(Value),
     Data { subscription: u32, log_time_ns: u64, payload: Vec<u8> },
@@ -24,7 +24,7 @@ pub(super) enum Said {
 pub(super) struct Foxglove {
     pub socket: WebSocket<TcpStream>,
     pub advertised: Vec<Value>,
-    /// Rows that came while a state of playback was waited for: the two travel apart, in either order.
+    /// Telemetry rows that arrived during a wait for a state of playback; the order of the two is not defined.
     held: VecDeque<Said>,
 }
 
@@ -118,7 +118,7 @@ impl Foxglove {
         self.socket.send(Message::binary(message.to_bytes())).expect("the server reads");
     }
 
-    /// The next state of playback that fits.
+    /// The next state of playback for which `fits` is true.
     pub(super) fn playback(&mut self, fits: impl Fn(&PlaybackState) -> bool) -> PlaybackState {
         let patience = Patience::new();
         let mut last = None;
@@ -139,7 +139,7 @@ impl Foxglove {
         panic!("not within {PATIENCE:?}; the last was {last:?}");
     }
 
-    /// What a file holds that the server is asked for, or why it is not given.
+    /// Fetches an asset; returns its content, or the reason of the refusal.
     pub(super) fn fetch(&mut self, uri: &str, id: u32) -> Result<Vec<u8>, String> {
         self.send(&json!({ "op": "fetchAsset", "uri": uri, "requestId": id }));
         loop {

@@ -1,4 +1,4 @@
-//! Files that Foxglove fetches: the vehicle's URDF byte for byte, and nothing that lies elsewhere.
+//! Files that Foxglove fetches: the server gives the vehicle's URDF byte for byte, and refuses files elsewhere.
 
 use super::console::options;
 use super::foxglove_client::Foxglove;

@@ -1,4 +1,4 @@
-//! Foxglove's timeline over a recording: its range, pause, speed, seeks from either side, the end, and what it refuses.
+//! Foxglove's timeline over a recording: range, pause, speed, seeks of either side, end, and refusals.
 
 use foxglove::Decode;
 use foxglove::messages::JointStates;
@@ -59,12 +59,12 @@ fn the_timeline_plays_pauses_and_sets_the_speed_of_a_recording() {
     client.ask(&request(PlaybackCommand::Pause, 2.0, None));
     client.playback(|state| state.request_id.is_none() && state.status == PlaybackStatus::Paused);
     console.message_that("state", |state| state["phase"] == "paused");
-    // The console's buttons move the same playback.
+    // The buttons of the console control the same playback.
     console.send(r#"{"type":"pause","paused":false}"#);
     client.playback(|state| state.status == PlaybackStatus::Playing);
 }
 
-/// The row of the tick that was sought; before it there is at most the row of where one was, never one of the run-up.
+/// The telemetry row of the tick that was sought. Before it, only the row of the previous position may arrive, and none of the run-up.
 fn sought(client: &mut Foxglove, wanted: u64, was: u64) -> Vec<u8> {
     loop {
         let (time, payload) = client.data(4);
@@ -87,7 +87,7 @@ fn a_seek_shows_the_row_that_was_sought_first_and_none_of_before() {
     let row: Value = serde_json::from_slice(&payload).expect("JSON");
     assert_eq!(row["t_s"], 12.0);
 
-    // A seek from the console is told as one; the same holds for what follows it, tick by tick.
+    // The server announces a seek of the console as a seek. The ticks after it follow one by one.
     console.send(r#"{"type":"seek","t_s":5}"#);
     let landed = client.playback(|state| state.did_seek);
     assert_eq!((landed.status, landed.request_id), (PlaybackStatus::Paused, None));
@@ -121,7 +121,7 @@ fn what_a_recording_cannot_do_is_refused_with_a_reason() {
     }
     let set = |name: &str, value: f64, id: &str| json!({ "op": "setParameters", "parameters": [{ "name": name, "value": value, "type": "float64" }], "id": id });
     client.send(&set("slope.x", 1.5, "law"));
-    // The refusal and the reason come in either order.
+    // The refusal and its reason arrive in either order.
     let told = [(); 2].map(|()| {
         client.json(|said| {
             let reason = said["message"].as_str().is_some_and(|text| text.contains("adapter"));
@@ -133,7 +133,7 @@ fn what_a_recording_cannot_do_is_refused_with_a_reason() {
     client.send(&set("forgetting", 0.985, "adapter"));
     let answer = client.json(|said| said["id"] == "adapter");
     assert_eq!(answer["parameters"][0]["value"], 0.985);
-    // Nothing flies here that a URDF describes.
+    // No URDF describes the vehicle of this flight.
     let why = client.fetch("package://twin/vehicle.urdf", 9).expect_err("no vehicle");
     assert!(why.contains("mirrored"), "{why}");
 }
@@ -149,12 +149,12 @@ fn a_recording_tells_the_angles_of_its_joints_by_their_names_and_no_torque() {
     let payload = sought(&mut client, 2 * S, 0);
     let joints = JointStates::decode(&payload[..]).expect("foxglove.JointStates").joints;
     let names: Vec<&str> = joints.iter().map(|joint| joint.name.as_str()).collect();
-    // As `urdf/aerial_manipulator.urdf` has them.
+    // The names are those of `urdf/aerial_manipulator.urdf`.
     assert_eq!(names, ["joint1", "joint2"]);
     for (joint, wanted) in joints.iter().zip(&flown[200].measurement.chi.as_slice()[6..]) {
         // Rows travel as f32.
         assert_eq!(joint.position, Some(f64::from(*wanted as f32)), "{joint:?}");
-        // Mirroring, nobody asks a torque of them.
+        // In a mirrored flight the loop commands no torque.
         assert_eq!(joint.effort, None);
     }
 }

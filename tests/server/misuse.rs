@@ -1,11 +1,11 @@
-//! What must not harm the flight or anybody else.
+//! Misuse that must not harm the flight or other clients.
 
 use tungstenite::Message;
 
 use super::console::{Console, http, serve};
 use crate::patience::{PATIENCE, Patience};
 
-/// The flight still flies and this console still hears of it.
+/// Asserts that the flight continues and that this console still receives it.
 fn still_flies(console: &mut Console) {
     let start = console.frame().after();
     while console.frame().after() < start + 20 {}
@@ -52,7 +52,7 @@ fn messages_that_mean_nothing_are_answered_to_their_sender_alone() {
     loop {
         assert!(patience.lasts(), "no pong within {PATIENCE:?}");
         if let super::console::Arrival::Json(message) = other.next() {
-            assert_ne!(message["type"], "notice", "a notice reached somebody else");
+            assert_ne!(message["type"], "notice", "a notice reached another client");
             assert_ne!(message["type"], "gain", "a refused gain took effect");
             if message["type"] == "pong" {
                 break;
@@ -107,7 +107,7 @@ fn pages_from_elsewhere_are_refused() {
             "{origin}"
         );
     }
-    // The name of a foreign page that was made to point here: Origin and Host agree.
+    // DNS rebinding: the name of a foreign page resolves to this server, so Origin and Host agree.
     assert_eq!(
         Console::connect_from(address, Some("http://evil.example"), "evil.example").err(),
         Some(403)
@@ -120,7 +120,7 @@ fn pages_from_elsewhere_are_refused() {
     let (status, _) =
         http(address, "POST /api/gains", &format!("{json}Origin: http://evil.example\r\n"), gain);
     assert_eq!(status, 403);
-    // A form of a foreign page can send text without asking first.
+    // A form on a foreign page can send text without a preflight request.
     let (status, _) = http(address, "POST /api/gains", "Content-Type: text/plain\r\n", gain);
     assert_eq!(status, 415);
     assert_eq!(http(address, "GET /api/state", "Host: evil.example\r\n", "").0, 403);

@@ -1,4 +1,4 @@
-//! A served flight against real connections: what operators, slow clients and hostile pages do to it.
+//! A served flight with real connections: operators, slow clients and hostile pages.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail by panicking, as tests do")]
 

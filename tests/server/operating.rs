@@ -1,4 +1,4 @@
-//! What operators change in the world, what they see of it, and what they take away.
+//! Operators change the world, see the effect, and download the changes.
 
 use serde_json::Value;
 
@@ -115,7 +115,7 @@ fn the_metrics_count_the_ticks_they_time() {
         line.trim().parse().expect("a number")
     };
     assert!(value("twin_clients ") >= 1.0);
-    // The count is published with the state, at least twice a second.
+    // The server publishes the count with the state, at least twice a second.
     let counted = value("twin_tick_lateness_seconds_count ");
     assert!(counted >= 50.0 && counted <= value("twin_ticks "), "{answer}");
 }

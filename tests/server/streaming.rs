@@ -1,5 +1,5 @@
-//! One twin mirrors another through Foxglove's protocol: it shows what the other flies, says when the stream is lost, shows
-//! nothing meanwhile, and goes on by itself.
+//! One twin mirrors another through Foxglove's protocol. It shows the flight of the other, reports the loss of the stream, shows unknown
+//! values meanwhile, and resumes without a command.
 
 use serde_json::Value;
 
@@ -12,7 +12,7 @@ fn source(port: u16) -> Running {
     spawn(ServeOptions { foxglove_port: Some(port), ..options() }).expect("a free port")
 }
 
-/// The newest row of a mirror, by channel.
+/// The newest telemetry row of a mirror, by channel.
 struct Watch {
     console: Console,
     hello: Value,
@@ -25,7 +25,7 @@ impl Watch {
         Self { console, hello }
     }
 
-    /// Waits until the value of a channel in the newest row fits; returns the notices before.
+    /// Waits until `fits` is true for a channel in the newest row; returns the notices before.
     fn until(&mut self, name: &str, fits: impl Fn(f32) -> bool) -> Vec<String> {
         let patience = Patience::new();
         let mut notices = Vec::new();

@@ -1,5 +1,5 @@
-//! The stock viewers' protocols on the wire, spoken by hand: late joiners, slow and hostile clients, and one set of gains
-//! behind all of them.
+//! The protocols of the stock viewers on the wire, written by hand: clients that join late, slow and hostile clients, and one set of
+//! gains for all of them.
 
 use std::net::{SocketAddr, TcpStream};
 
@@ -12,7 +12,7 @@ use crate::patience::{PATIENCE, Patience};
 
 pub(super) struct Viewer {
     socket: WebSocket<TcpStream>,
-    /// Messages come in viser's frames, several in one.
+    /// Whether messages arrive in viser's frames, which hold several messages.
     framed: bool,
 }
 
@@ -51,7 +51,7 @@ impl Viewer {
         self.socket.send(Message::binary(bytes)).expect("the server reads");
     }
 
-    /// The messages of the next frame, of either protocol; the reason if the connection was closed.
+    /// The messages of the next frame, of either protocol; if the connection was closed, its code and reason.
     fn next(&mut self) -> Result<Vec<Value>, Option<(u16, String)>> {
         match self.socket.read() {
             Ok(Message::Binary(bytes)) if !self.framed => {
@@ -78,7 +78,7 @@ impl Viewer {
         }
     }
 
-    /// All messages up to the first that fits, which is the last.
+    /// All messages up to and including the first for which `fits` is true.
     pub(super) fn until(&mut self, fits: impl Fn(&Value) -> bool) -> Vec<Value> {
         let (patience, mut seen) = (Patience::new(), Vec::new());
         while patience.lasts() {
@@ -144,18 +144,18 @@ fn a_late_joiner_is_told_every_body_every_slider_and_the_newest_poses() {
     let bodies = hello["scene"]["bodies"].as_array().unwrap();
 
     let mut meshcat = Viewer::meshcat(address);
-    // The last thing a paused flight has to say is where the reference is.
+    // The pose of the reference is the last message of a paused flight.
     let ghost =
         |m: &Value| is(m, "set_transform") && field(m, "path").as_str() == Some("/twin/reference");
     let mut seen = meshcat.until(ghost);
     seen.extend(meshcat.until(ghost));
     let sliders = seen.iter().filter(|m| is(m, "set_control") && *field(m, "value") != Value::Nil);
     assert_eq!(sliders.count(), gains);
-    // Static bodies may have names that are no path.
+    // The names of static bodies may not be valid paths.
     for body in bodies.iter().filter(|body| body["moving"] == true) {
         let path = format!("/twin/{}", body["name"].as_str().unwrap());
         let moved = |m: &&Value| is(m, "set_transform") && field(m, "path").as_str() == Some(&path);
-        // Once at the start, and once where it is now.
+        // The server sends the initial pose and the present pose.
         assert_eq!(seen.iter().filter(moved).count(), 2, "{path}");
     }
 
@@ -233,12 +233,12 @@ fn trails_follow_the_flight_within_a_bounded_number_of_points() {
         assert_eq!((kind, bytes.len() % 24), (0x17, 0), "two ends of three f32 each");
         lengths.push(bytes.len());
     }
-    // Ten points a second, at most 300 of them.
+    // Ten points a second, and at most 300 of them.
     assert!(lengths.is_sorted_by(|a, b| a < b) && lengths[2] <= 299 * 24, "{lengths:?}");
 
     let mut viser = Viewer::viser(running.address());
     viser.until(|m| is(m, "LineSegmentsMessage") && field(m, "name").as_str() == Some(flown));
-    // A line has ends and colours, an arrow its foot and tip, and all marks of the way are two arrays.
+    // A line has two changing properties, ends and colours; an arrow has one, its foot and tip; the marks of the path are two arrays.
     for (name, changed) in [
         (flown, 2),
         ("/twin/forces/residual", 1),
@@ -346,7 +346,7 @@ fn foreign_pages_wrong_protocols_and_absent_viewers_are_answered_plainly() {
         let own = format!("http://{address}");
         assert!(Viewer::connect(address, path, Some(&own)).is_ok(), "{path}");
     }
-    // Without the sub-protocol a browser would abort; so does the server.
+    // Without the sub-protocol a browser would close the connection; so does the server.
     assert_eq!(Viewer::connect(address, "/viser/", None).err(), Some(400));
     for path in ["/meshcat/", "/meshcat/main.min.js", "/viser"] {
         let (status, answer) = http(address, &format!("GET {path}"), "", "");

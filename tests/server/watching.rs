@@ -1,4 +1,4 @@
-//! What a client sees: the hello, every tick, and the truth about what it missed.
+//! The messages that a client gets: the hello, every tick, and the count of the ticks that it missed.
 
 use super::console::{Arrival, Console, options, serve};
 use twin_console::server::spawn;
@@ -16,13 +16,13 @@ fn the_hello_comes_first_and_describes_the_frames_that_follow() {
     assert_eq!(frame.bodies, bodies.iter().filter(|body| body["moving"] == true).count());
     assert!(bodies.iter().any(|body| body["name"] == hello["scene"]["base_body"]));
     assert!(hello["gains"].as_array().unwrap().len() > 20);
-    // A row's time is (tick + 1) × tick_s; the newest row's is in the header.
+    // The time of a row is (tick + 1) × tick_s; the header has the time of the newest row.
     let tick_s = hello["tick_s"].as_f64().unwrap();
     assert!((frame.t_s - frame.after() as f64 * tick_s).abs() < 1e-9, "{frame:?}");
 }
 
-/// Most ticks of a flight at real time from one state to the next: the 0.4 s between states, the 0.1 s that a flight which is late
-/// may catch up, and the tick that was under way. A machine under load flies fewer, never more.
+/// Most ticks from one state to the next in real time: those of the 0.4 s between states, those of the 0.1 s that a late flight may
+/// catch up, and one that had already begun. A loaded machine flies fewer ticks, never more.
 const MOST_TICKS_BETWEEN_STATES: u64 = 40 + 10 + 1;
 
 #[test]
@@ -88,7 +88,7 @@ fn a_client_that_comes_late_has_the_flight_so_far_and_misses_nothing_after() {
     let past = late.frame();
     assert_eq!((past.first_tick, past.gap), (0, 0));
     assert!(past.after() >= known.after(), "{} of {} ticks", past.after(), known.after());
-    // Bits, because an unknown value is NaN.
+    // The comparison uses bits, because an unknown value is NaN.
     let bits = |row: &[f32]| row.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
     for (tick, row) in (known.first_tick..).zip(&known.rows) {
         assert_eq!(bits(&past.rows[tick as usize]), bits(row), "tick {tick}");

@@ -1,4 +1,4 @@
-//! `twin evaluate acceptance`.
+//! `twin evaluate acceptance`: flies trained weights without the adapter and writes the scores into the file of weights.
 
 use std::path::PathBuf;
 
@@ -11,15 +11,15 @@ use super::{End, Overrides};
 
 #[derive(Args)]
 pub(super) struct AcceptanceArgs {
-    /// File of weights; its head receives the figures.
+    /// File of weights; the scores are written into its head.
     weights: PathBuf,
     /// Scenario of the hover.
     #[arg(long, default_value = "scenarios/hover.toml")]
     hover: PathBuf,
-    /// Scenario of the figure-8, with a payload in hand.
+    /// Scenario of the figure-8, with a payload in the gripper.
     #[arg(long, default_value = "scenarios/gate_figure_eight.toml")]
     figure_eight: PathBuf,
-    /// Only measure; the file stays as it is.
+    /// Only measure; do not write the scores into the file.
     #[arg(long)]
     dry_run: bool,
     /// Print one JSON object.
@@ -57,7 +57,7 @@ pub(super) fn run(args: &AcceptanceArgs) -> anyhow::Result<End> {
     } else {
         print(&flown, both.map(|(_, rows)| rows));
         let words = if acceptance.passed() { "accepted" } else { "not accepted" };
-        println!("{words}: {acceptance}; needed is above {}", Acceptance::LEAST_R2);
+        println!("{words}: {acceptance}; R² must be above {}", Acceptance::LEAST_R2);
     }
     Ok(if acceptance.passed() { End::Passed } else { End::Failed })
 }

@@ -1,4 +1,4 @@
-//! `twin check`.
+//! `twin check`: says whether scenarios, vehicles and trained weights can be used.
 
 use std::path::{Path, PathBuf};
 
@@ -62,7 +62,7 @@ fn check(file: &Path, overrides: &[String]) -> anyhow::Result<String> {
     Ok(scenario.settings.title)
 }
 
-/// What a file of weights is of, once its predictor stands.
+/// Describes a file of weights, after it has built the predictor.
 fn weights(file: &Path) -> anyhow::Result<String> {
     let weights = read_weights(file)?;
     let trained = trained::predictor(&weights, Kernel::SCALAR, Precision::F32)

@@ -1,4 +1,4 @@
-//! `twin collect`.
+//! `twin collect`: flies and records the training flights and the test flight.
 
 use std::path::PathBuf;
 
@@ -13,22 +13,22 @@ use super::{End, Overrides};
 
 #[derive(Args)]
 pub(super) struct CollectArgs {
-    /// Folder the recordings are written to.
+    /// Folder for the recordings.
     #[arg(long, value_name = "DIR", default_value = "out/data")]
     out: PathBuf,
     /// Length of each flight, s.
     #[arg(long, default_value_t = 300.0, value_parser = parse_seconds)]
     seconds: f64,
-    /// Payloads in hand, g: one training flight each.
+    /// Payloads in the gripper, g; each gives one training flight.
     #[arg(long, value_delimiter = ',', default_value = "0,200,400", value_parser = clap::value_parser!(u32).range(0..=1000))]
     payloads: Vec<u32>,
-    /// Seed of the first flight; each further one has the next.
+    /// Seed of the first flight; each further flight has the next seed.
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Flights at a time [default: one per core].
     #[arg(long)]
     jobs: Option<usize>,
-    /// Folder of `collect_*.toml` and `test_300g.toml`.
+    /// Folder with `collect_*.toml` and `test_300g.toml`.
     #[arg(long, value_name = "DIR", default_value = "scenarios")]
     scenarios: PathBuf,
     /// Print one JSON object instead of a table.
@@ -127,7 +127,7 @@ fn print_table(collected: &[Collected], together: &Spread) {
             &flight.sha256,
         );
         if !flight.usable() {
-            eprintln!("{}: not to be learned from: {}", flight.scenario, flight.reason);
+            eprintln!("{}: not usable for training: {}", flight.scenario, flight.reason);
         }
     }
     println!("\nresidual std, N and N m   {}", ROWS.map(|row| format!("{row:>7}")).join(""));

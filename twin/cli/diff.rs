@@ -1,4 +1,4 @@
-//! `twin diff`.
+//! `twin diff`: compares two recordings tick by tick.
 
 use std::path::PathBuf;
 
@@ -55,7 +55,7 @@ fn print(found: &Difference, all: usize) {
     );
     let Some(first) = &found.first else { return };
     println!(
-        "they part at tick {} ({:.2} s): {} is {} | {}",
+        "the first difference is at tick {} ({:.2} s): {} is {} | {}",
         first.tick, first.t_s, first.channel, first.values[0], first.values[1]
     );
     println!(

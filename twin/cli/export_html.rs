@@ -1,4 +1,4 @@
-//! `twin export html`.
+//! `twin export html`: a recording as one page.
 
 use std::path::PathBuf;
 
@@ -11,7 +11,7 @@ use super::End;
 pub(super) struct HtmlArgs {
     /// A recording of `twin fly --record` or of a failed test.
     recording: PathBuf,
-    /// The page [default: beside the recording, with the ending html].
+    /// The page [default: beside the recording, with the extension html].
     #[arg(long, short, value_name = "FILE.html")]
     output: Option<PathBuf>,
 }

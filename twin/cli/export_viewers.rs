@@ -1,4 +1,4 @@
-//! `twin export meshcat` and `twin export viser`.
+//! `twin export meshcat` and `twin export viser`: a recording for the stock viewers.
 
 use std::path::PathBuf;
 
@@ -12,7 +12,7 @@ use super::viewers::default_folder;
 pub(super) struct MeshcatArgs {
     /// A recording of `twin fly --record` or of a failed test.
     recording: PathBuf,
-    /// The page [default: beside the recording, with the ending meshcat.html].
+    /// The page [default: beside the recording, with the extension meshcat.html].
     #[arg(long, short, value_name = "FILE.html")]
     output: Option<PathBuf>,
     /// Folder of the stock viewers [default: where `twin viewers fetch` puts them].
@@ -24,7 +24,7 @@ pub(super) struct MeshcatArgs {
 pub(super) struct ViserArgs {
     /// A recording of `twin fly --record` or of a failed test.
     recording: PathBuf,
-    /// The file; with the ending html a page that needs no viser [default: beside the recording, with the ending viser].
+    /// The file; with the extension html, a page that needs no viser [default: beside the recording, with the extension viser].
     #[arg(long, short, value_name = "FILE.viser|FILE.html")]
     output: Option<PathBuf>,
     /// Folder of the stock viewers, for a page [default: where `twin viewers fetch` puts them].

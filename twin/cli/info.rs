@@ -1,4 +1,4 @@
-//! `twin info`.
+//! `twin info`: lists the content of an MCAP file and its defects.
 
 use std::path::PathBuf;
 
@@ -13,7 +13,7 @@ use super::End;
 pub(super) struct InfoArgs {
     /// MCAP file; it may be cut off or damaged.
     file: PathBuf,
-    /// Which messages mean what: a TOML file, or a shipped map (`acsl_x8`, `crazyflie`, `px4_arm`) [default: recognised].
+    /// Map from messages to quantities: a TOML file, or a shipped map (`acsl_x8`, `crazyflie`, `px4_arm`) [default: recognised].
     #[arg(long, value_name = "TOPICS.toml")]
     map: Option<String>,
     /// Print exactly one JSON object on stdout.
@@ -77,7 +77,7 @@ fn print(args: &InfoArgs, survey: &Survey) {
     }
 }
 
-/// A quantity as the maps spell it.
+/// The name of a quantity in a map.
 fn word(quantity: Quantity) -> String {
     serde_json::to_value(quantity)
         .ok()

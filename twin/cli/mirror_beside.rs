@@ -8,7 +8,7 @@ use twin_foreign::OpenedFlight;
 use twin_foreign::divergence::HORIZONS;
 use twin_foreign::{DivergenceReport, Flyer, Light, Shadow, Shot, Twin};
 
-/// The twin of `urdf`, or of what is known.
+/// The twin of the vehicle in `urdf`, or of the mass and inertia that are known.
 pub(super) fn twin(urdf: Option<&Path>, opened: &OpenedFlight) -> anyhow::Result<Twin> {
     Ok(match urdf {
         Some(file) => Twin::urdf(file, &opened.recorded.joint_names)?,
@@ -16,14 +16,14 @@ pub(super) fn twin(urdf: Option<&Path>, opened: &OpenedFlight) -> anyhow::Result
     })
 }
 
-/// How far the twin gets from the flight.
+/// Divergence of the twin from the flight.
 pub(super) struct Divergence {
     report: DivergenceReport,
     from: Option<Shot>,
 }
 
 impl Divergence {
-    /// Along the whole flight, and from `fly_from`, s, if that is asked for.
+    /// Flies the twin along the whole flight, and also from `fly_from`, s, if it is given.
     pub(super) fn new(
         opened: &OpenedFlight,
         shadow: &Shadow,
@@ -35,7 +35,7 @@ impl Divergence {
             None => None,
             Some(t_s) => {
                 let tick = (t_s / TICK_S).round().max(0.0) as usize;
-                let unknown = "the twin cannot fly from there: force and motion must be known from 0.5 s before to 1.1 s after it";
+                let unknown = "the twin cannot start there: force and motion must be known from 0.5 s before to 1.1 s after this time";
                 Some(flyer.from(tick).with_context(|| format!("--fly-from {t_s}: {unknown}"))?)
             }
         };

@@ -1,4 +1,4 @@
-//! Commands and their flags.
+//! The commands and their flags.
 
 mod viewers;
 mod fly;
@@ -45,7 +45,7 @@ const EXAMPLES: &str = "Examples:
   twin collect --out data                       flights to learn from: 0, 200, 400 g, and the 300 g test flight
   twin evaluate tracking --seeds 10             the tracking table beside the paper's
   twin test scenarios --junit out/j.xml         every scenario as a test: bounds, events, verdicts
-  twin diff a.mcap b.mcap                       where two recorded flights part
+  twin diff a.mcap b.mcap                       where two recorded flights differ
   twin export html flight.mcap                  one page of a recorded flight, for any browser
   twin export viser flight.mcap -o flight.viser the flight for viser; `twin export meshcat` for MeshCat
   twin mirror flight.mcap --headless --json     a real flight through the loop in shadow
@@ -63,26 +63,26 @@ enum Command {
     Collect(collect::CollectArgs),
     /// Tables of the paper, measured on the twin.
     Evaluate(evaluate::EvaluateArgs),
-    /// Fly scenarios as tests, side by side: exit 0 all as expected, 1 some failed, 2 some could not run.
+    /// Fly scenarios as tests, side by side. Exit code 0: all as expected, 1: some failed, 2: some could not run.
     Test(test::TestArgs),
     /// Compare two recordings: the first tick and channel that differ, and the largest differences.
     Diff(diff::DiffArgs),
-    /// Read a real flight from MCAP and run the loop beside it in shadow: predicting and adapting, never acting.
+    /// Mirror a real flight: read it from MCAP and run the loop beside it in shadow, which predicts and adapts but never acts.
     Mirror(mirror::MirrorArgs),
-    /// Say what an MCAP file holds and what is wrong with it.
+    /// List the content of an MCAP file and its defects.
     Info(info::InfoArgs),
-    /// A recording in another form.
+    /// Export a recording to another format.
     #[command(subcommand)]
     Export(Export),
-    /// Read scenario and URDF files and say whether they are usable.
+    /// Read scenarios, URDF files and trained weights, and say whether they can be used.
     Check(check::CheckArgs),
-    /// Learn the residual from recorded flights: the FDT, its ablations and the baselines (feature `train`).
+    /// Train a model of the residual on recorded flights: the FDT, its ablations and the baselines (feature `train`).
     Train(train::TrainArgs),
-    /// The stock MeshCat and viser viewers, served at /meshcat/ and /viser.
+    /// Install the stock MeshCat and viser viewers, which are served at /meshcat/ and /viser.
     Viewers(viewers::ViewersArgs),
 }
 
-/// Forms a recording can be exported in.
+/// Formats that a recording can be exported to.
 #[derive(Subcommand)]
 enum Export {
     /// One page that opens offline: 3-D view, charts, events.
@@ -91,11 +91,11 @@ enum Export {
     Meshcat(export_viewers::MeshcatArgs),
     /// viser's recording of the flight, or a page with viser's client that plays it.
     Viser(export_viewers::ViserArgs),
-    /// One line per tick: measurement, residual, predictions, resets.
+    /// One line for each tick: measurement, residual, predictions, resets.
     Csv(export_csv::CsvArgs),
 }
 
-/// What every command that reads a scenario takes.
+/// The flags of every command that reads a scenario.
 #[derive(Args, Clone)]
 struct Overrides {
     /// Override any key of the scenario, e.g. `--set gains.preset=paper` (repeatable).
@@ -103,7 +103,7 @@ struct Overrides {
     set: Vec<String>,
 }
 
-/// How a command ended.
+/// The outcome of a command, which determines its exit code.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum End {
     Passed,
@@ -147,7 +147,7 @@ pub(crate) fn main() -> ExitCode {
     }
 }
 
-/// An error with its causes; one that the sentence names already is not said again.
+/// The error followed by its causes; a cause that the text already contains is left out.
 fn sentence(error: &anyhow::Error) -> String {
     error.chain().skip(1).fold(error.to_string(), |said, cause| {
         let cause = cause.to_string();
@@ -155,8 +155,8 @@ fn sentence(error: &anyhow::Error) -> String {
     })
 }
 
-/// Whoever reads stdout may stop reading (`twin info FILE | head`): then there is nobody left to talk to, and nothing is wrong.
-/// `println!` panics there and nowhere else; every other panic stays what it is.
+/// Ends the program with exit code 0 when the reader of stdout has closed it, as in `twin info FILE | head`. `println!` panics then;
+/// every other panic is handled as usual.
 fn end_with_the_reader() {
     let usual = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |info| {
@@ -170,7 +170,7 @@ fn end_with_the_reader() {
     }));
 }
 
-/// The weights in `file`.
+/// Reads the weights in `file`.
 fn read_weights(file: &Path) -> anyhow::Result<Weights> {
     let bytes = std::fs::read(file).with_context(|| {
         format!("{}: cannot be read; make weights with `twin train`", file.display())
@@ -178,7 +178,7 @@ fn read_weights(file: &Path) -> anyhow::Result<Weights> {
     Weights::from_bytes(&bytes).with_context(|| file.display().to_string())
 }
 
-/// The scenario that is flown when none is named.
+/// The scenario that is flown when the command line names none.
 fn default_scenario() -> PathBuf {
     PathBuf::from("scenarios/a_300g_slow.toml")
 }

@@ -1,4 +1,4 @@
-//! `twin test`.
+//! `twin test`: flies scenarios as tests.
 
 use std::path::{Path, PathBuf};
 
@@ -25,7 +25,7 @@ pub(super) struct TestArgs {
 
 #[derive(Subcommand)]
 enum TestCommand {
-    /// Put the --json reports of all shards of a run together: the same report as without shards.
+    /// Merge the --json reports of all shards of a run into the report of a run without shards.
     Merge(MergeArgs),
 }
 
@@ -37,25 +37,25 @@ struct FlyTests {
     /// Flights at a time [default: one per core].
     #[arg(long)]
     jobs: Option<usize>,
-    /// Only every N-th flight, from the K-th on: one part of a run that several machines share.
+    /// Fly only every N-th flight, from the K-th on: the shard of one of several machines.
     #[arg(long, value_name = "K/N")]
     shard: Option<Shard>,
-    /// Seeds of each scenario instead of its own: a count (1 to N) or a list. A sweep keeps its own.
+    /// Seeds for each scenario instead of its own: a count (1 to N) or a list. A sweep keeps its own seeds.
     #[arg(long, value_name = "N|LIST", value_parser = parse_seeds)]
     seeds: Option<Seeds>,
-    /// Fly each case so often; a state hash that changes is a failure.
+    /// Number of times that each case is flown; a state hash that changes is a failure.
     #[arg(long, default_value_t = 1)]
     iterations: usize,
-    /// Only cases whose name has this part.
+    /// Fly only the cases whose name contains this text.
     #[arg(long, value_name = "TEXT")]
     filter: Option<String>,
-    /// Folder for the evidence of every flight that fails: its recording and a page that opens where it failed.
+    /// Folder for the evidence of each failed flight: its recording, and a page that opens at the failure.
     #[arg(long, value_name = "FOLDER", default_value = "out/failed")]
     artifacts: PathBuf,
     /// Store the flights as golden runs instead of comparing them.
     #[arg(long)]
     update: bool,
-    /// Begin no new flight after one failed.
+    /// Start no new flight after a failure.
     #[arg(long)]
     fail_fast: bool,
     #[command(flatten)]
@@ -66,28 +66,28 @@ struct FlyTests {
 
 #[derive(Args)]
 struct MergeArgs {
-    /// What every shard printed with --json.
+    /// Output of every shard with --json.
     #[arg(required = true)]
     shards: Vec<PathBuf>,
     #[command(flatten)]
     reports: Reports,
 }
 
-/// In which forms the results are wanted.
+/// The files and formats in which the results are reported.
 #[derive(Args)]
 struct Reports {
     /// Write the results as `JUnit` XML.
     #[arg(long, value_name = "FILE.xml")]
     junit: Option<PathBuf>,
-    /// Write the results as a page, with links to the replays of what failed.
+    /// Write the results as a page with links to the replays of failed flights.
     #[arg(long, value_name = "FILE.html")]
     html: Option<PathBuf>,
-    /// Print one JSON object instead of a table; of a shard it is what `twin test merge` reads.
+    /// Print one JSON object instead of a table; `twin test merge` reads that of a shard.
     #[arg(long)]
     json: bool,
 }
 
-/// Seeds of every scenario.
+/// Seeds for every scenario.
 #[derive(Clone)]
 struct Seeds(Vec<u64>);
 
@@ -140,7 +140,7 @@ fn flown(args: &FlyTests) -> anyhow::Result<End> {
     hand_over(&report, &args.reports, wall_s)
 }
 
-/// The page of a failed flight: its replay, which opens where it failed.
+/// Writes the replay page of a failed flight, which opens at the failure.
 fn replay_page(recording: &Path, page: &Path, report: &Report) -> Result<f64, String> {
     replay::export(recording, page, Some(report)).map_err(|error| error.to_string())
 }
@@ -159,7 +159,7 @@ fn merged(args: &MergeArgs) -> anyhow::Result<End> {
     hand_over(&report, &args.reports, wall_s)
 }
 
-/// Writes and prints the results; how the command ends.
+/// Writes and prints the results, and returns the outcome of the command.
 fn hand_over(report: &SuiteReport, wanted: &Reports, wall_s: f64) -> anyhow::Result<End> {
     if let Some(path) = &wanted.junit {
         write(path, &junit::xml(report)?, "--junit")?;

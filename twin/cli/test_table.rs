@@ -1,10 +1,10 @@
-//! The results of `twin test` for a terminal.
+//! Prints the results of `twin test` in a terminal.
 
 use std::fmt::Write;
 
 use twin_scenario::suite::{CaseResult, Successes, SuiteReport};
 
-/// The progress line of a flight, with what is wrong below it.
+/// The progress line of a flight, with the reasons of a failure below it.
 pub(super) fn line(result: &CaseResult) -> String {
     let mut text = format!("{:18} {}", result.word(), result.case.name);
     if let Some(report) = result.report() {

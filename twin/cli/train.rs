@@ -1,4 +1,4 @@
-//! `twin train`.
+//! `twin train`: trains a model of the residual.
 
 use std::path::{Path, PathBuf};
 
@@ -14,7 +14,7 @@ What it does: reads the flights, cuts them into windows of 1.2 s, and fits a mod
 0, 10 … 60 ms. The last 15 % of each flight are held back; training ends when the loss there stops falling. Ticks in contact
 are not learned from. The file that comes out flies: `twin fly --set predictor.kind=fdt --set predictor.weights=FILE`.
 
-A loss of 1 is saying the mean; R² is about 1 minus the loss. Ctrl-C loses nothing but the epoch in hand: go on with --resume.
+A forecast of the mean has a loss of about 1; R² is about 1 minus the loss. Ctrl-C loses only the present epoch: resume with --resume.
 The same data, settings and seed give the same file on one machine.
 
 Examples:
@@ -30,16 +30,16 @@ Examples:
 #[derive(Args)]
 #[command(after_help = HELP)]
 #[allow(clippy::struct_excessive_bools, reason = "each is a flag of its own")]
-#[cfg_attr(not(feature = "train"), allow(dead_code, reason = "flags of what is not built"))]
+#[cfg_attr(not(feature = "train"), allow(dead_code, reason = "only training reads them"))]
 pub(super) struct TrainArgs {
-    /// Flights: recordings of this program, or real ones as `twin mirror` reads them. A folder stands for the `collect_*.mcap`
-    /// in it, so that no test flight is trained on.
+    /// Flights: recordings of this program, or real flights that `twin mirror` can read. A folder stands for its files
+    /// `collect_*.mcap`, so that the test flight is never trained on.
     #[arg(default_value = "out/data")]
     data: Vec<PathBuf>,
-    /// `small`, `paper`, or a TOML file that states what differs from the defaults.
+    /// `small`, `paper`, or a TOML file that states only the keys that differ from the defaults.
     #[arg(long, default_value = "small", value_name = "small|paper|FILE.toml")]
     config: String,
-    /// What to train [default: what the configuration names, the FDT].
+    /// Model to train [default: the model of the configuration, the FDT].
     #[arg(long, value_parser = model_parser())]
     model: Option<ModelKind>,
     /// Train the FDT and every baseline, one after the other.
@@ -48,22 +48,22 @@ pub(super) struct TrainArgs {
     /// Leave a part of the FDT out (repeatable).
     #[arg(long, value_enum, value_name = "PART")]
     without: Vec<Part>,
-    /// Most epochs [default: of the configuration].
+    /// Most epochs [default: those of the configuration].
     #[arg(long)]
     epochs: Option<usize>,
     /// Seed of initialisation, order of the windows and noise.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// The file of weights, or with `--all` the folder of them [default: out/weights/MODEL.safetensors].
+    /// File of weights, or with `--all` their folder [default: out/weights/MODEL.safetensors].
     #[arg(long, value_name = "W.safetensors")]
     out: Option<PathBuf>,
-    /// Where to compute: all cores, or a graphics processor through Vulkan (built with `--features gpu`).
+    /// Device: all cores, or a graphics processor through Vulkan (built with `--features gpu`).
     #[arg(long, value_enum, default_value = "cpu")]
     device: Where,
-    /// Go on from the checkpoint beside the file of weights.
+    /// Resume from the checkpoint beside the file of weights.
     #[arg(long)]
     resume: bool,
-    /// The learning curve as a picture [default: beside the file of weights].
+    /// Picture of the learning curve [default: beside the file of weights].
     #[arg(long, value_name = "C.svg", conflicts_with = "all")]
     curve: Option<PathBuf>,
     /// Print the settings in force as TOML and end.
@@ -74,30 +74,30 @@ pub(super) struct TrainArgs {
     json: bool,
 }
 
-/// Where a training computes.
+/// Device of a training.
 #[derive(Clone, Copy, ValueEnum)]
 enum Where {
     Cpu,
     Gpu,
 }
 
-/// Where weights are written if nobody says.
+/// Folder of the weights without `--out`.
 const WEIGHTS: &str = "out/weights";
 
-/// Reads the word of a model.
+/// Parses the name of a model.
 fn model_parser() -> impl TypedValueParser<Value = ModelKind> {
     PossibleValuesParser::new(ModelKind::ALL.map(ModelKind::name))
         .try_map(|word| ModelKind::named(&word).ok_or("no such model"))
 }
 
-/// What an ablation leaves out.
+/// Part of the FDT that an ablation leaves out.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Part {
     /// The learned global token: the mean of the channels' tokens asks the memory.
     GlobalToken,
     /// The short-horizon encoder: a learned constant asks the memory.
     ShortHorizon,
-    /// The long-horizon memory: the regime is made of the short horizon.
+    /// The long-horizon memory: the regime is computed from the short horizon.
     LongMemory,
 }
 
@@ -111,9 +111,9 @@ impl Part {
     }
 }
 
-/// One training of a call.
+/// One training of a command.
 #[allow(clippy::struct_excessive_bools, reason = "each is a flag of its own")]
-#[cfg_attr(not(feature = "train"), allow(dead_code, reason = "places of what is not built"))]
+#[cfg_attr(not(feature = "train"), allow(dead_code, reason = "only training reads them"))]
 struct Job {
     config: TrainConfig,
     out: PathBuf,
@@ -182,7 +182,7 @@ fn train(args: &TrainArgs, jobs: &[Job]) -> anyhow::Result<End> {
     super::allocator::keep_memory();
     let data = Dataset::read(&flights(&args.data)?)?;
     eprintln!(
-        "{} flights, {} usable ticks of {}, {} channels, {} rows, data {}",
+        "{} flights, {} usable ticks of {}, {} channels, {} coordinates of the residual, data {}",
         data.flights.len(),
         data.usable_ticks(),
         data.flights.iter().map(twin_lab::learn::dataset::FlightSeries::ticks).sum::<usize>(),
@@ -191,7 +191,7 @@ fn train(args: &TrainArgs, jobs: &[Job]) -> anyhow::Result<End> {
         &data.hash()[..12],
     );
     if !data.left_out.is_empty() {
-        eprintln!("left out, not known in every flight: {}", data.left_out.join(", "));
+        eprintln!("left out because not every flight knows them: {}", data.left_out.join(", "));
     }
     let results = jobs.iter().map(|job| one(args, &data, job)).collect::<Result<Vec<_>, _>>()?;
     if args.json {
@@ -205,7 +205,7 @@ fn train(args: &TrainArgs, jobs: &[Job]) -> anyhow::Result<End> {
     Ok(End::Passed)
 }
 
-/// Files as they are; of a folder its `collect_*.mcap` in order of their names.
+/// The files as they are; for a folder, its `collect_*.mcap` in the order of their names.
 #[cfg(feature = "train")]
 fn flights(data: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
     let mut all = Vec::new();
@@ -231,7 +231,7 @@ fn flights(data: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
     Ok(all)
 }
 
-/// One training with its bar, picture and words; its figures as JSON.
+/// Runs one training with its progress bar, picture and messages; returns its figures as JSON.
 #[cfg(feature = "train")]
 fn one(
     args: &TrainArgs,
@@ -283,7 +283,7 @@ fn one(
     let r2 = 1.0 - validation / outcome.validation_variance;
     if !args.json {
         println!(
-            "{}: {} epochs, the best is {}; validation loss {validation:.4} (saying the mean: {:.4}), R² {r2:.4}; {:.1} min; curve {}",
+            "{}: {} epochs, the best is {}; validation loss {validation:.4} (forecast of the mean: {:.4}), R² {r2:.4}; {:.1} min; curve {}",
             job.out.display(),
             training.epochs,
             training.best_epoch,

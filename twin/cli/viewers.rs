@@ -1,4 +1,4 @@
-//! `twin viewers`: downloads the pinned builds of the stock viewers and keeps the few files that are served.
+//! `twin viewers`: downloads the pinned builds of the stock viewers and keeps the files that the server needs.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -21,10 +21,10 @@ pub(super) struct ViewersArgs {
 enum ViewersCommand {
     /// Download the pinned viewers with pip, check and unpack them.
     Fetch {
-        /// Folder to put them in [default: twin/viewers in the user's cache folder].
+        /// Folder for the viewers [default: twin/viewers in the user's cache folder].
         #[arg(long, value_name = "DIR")]
         dir: Option<PathBuf>,
-        /// The current MeshCat too: Drake's wheel has it (42 MB, of which 2 MB are kept), served at /drake/.
+        /// Also fetch the current MeshCat from Drake's wheel (42 MB, of which 2 MB are kept); it is served at /drake/.
         #[arg(long)]
         drake: bool,
     },
@@ -41,13 +41,14 @@ pub(super) fn default_folder() -> Option<PathBuf> {
 
 pub(super) fn run(args: &ViewersArgs) -> anyhow::Result<End> {
     let ViewersCommand::Fetch { dir, drake } = &args.command;
-    let folder = dir.clone().or_else(default_folder).context(
-        "found neither XDG_CACHE_HOME nor HOME; say with --dir where the viewers are to be put",
-    )?;
+    let folder = dir
+        .clone()
+        .or_else(default_folder)
+        .context("found neither XDG_CACHE_HOME nor HOME; name a folder with --dir")?;
     for wheel in [MESHCAT, VISER].into_iter().chain(drake.then_some(DRAKE)) {
         let target = folder.join(wheel.folder());
         if wheel.files.iter().all(|(_, name)| target.join(name).is_file()) {
-            eprintln!("{} {} is in {} already", wheel.package, wheel.version, target.display());
+            eprintln!("{} {} is already in {}", wheel.package, wheel.version, target.display());
             continue;
         }
         fetch(&wheel, &folder).with_context(|| format!("{} {}", wheel.package, wheel.version))?;
@@ -56,7 +57,7 @@ pub(super) fn run(args: &ViewersArgs) -> anyhow::Result<End> {
     Ok(End::Passed)
 }
 
-/// Downloads, checks and unpacks into a folder of its own, then moves the kept files into place.
+/// Downloads a wheel, checks it and unpacks it in a temporary folder, then moves the files that are kept to `folder`.
 fn fetch(wheel: &Wheel, folder: &Path) -> anyhow::Result<()> {
     let work = folder.join(format!(".{}.{}", wheel.folder(), std::process::id()));
     std::fs::create_dir_all(&work).with_context(|| format!("cannot create {}", work.display()))?;
@@ -91,7 +92,7 @@ fn fetch_into(wheel: &Wheel, folder: &Path, work: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Refuses a wheel that is not the pinned one.
+/// Refuses a wheel whose hash is not the pinned one.
 fn check(wheel: &Wheel, bytes: &[u8]) -> anyhow::Result<()> {
     let found = Sha256::digest(bytes).iter().fold(String::new(), |mut text, byte| {
         // Writing into a string cannot fail.
@@ -108,7 +109,7 @@ fn check(wheel: &Wheel, bytes: &[u8]) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Runs python3 in `folder`; what it says on failure becomes the error.
+/// Runs python3 in `folder`; if it fails, its output becomes the error.
 fn python(arguments: &[&str], folder: &Path) -> anyhow::Result<()> {
     let output = Command::new("python3")
         .args(arguments)
@@ -129,7 +130,7 @@ mod tests {
 
     #[test]
     fn a_wheel_of_another_hash_is_refused_with_both_hashes() {
-        // Of "abc", from FIPS 180-4.
+        // The hash of "abc" in FIPS 180-4.
         let abc = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
         let error = check(&MESHCAT, b"abc").unwrap_err().to_string();
         assert!(error.contains(abc) && error.contains(MESHCAT.sha256), "{error}");

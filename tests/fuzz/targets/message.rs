@@ -1,4 +1,4 @@
-//! Messages by a sound definition, as CDR and as ULog. `cargo +nightly fuzz run --fuzz-dir tests/fuzz message`
+//! Messages by a valid definition, as CDR and as ULog. `cargo +nightly fuzz run --fuzz-dir tests/fuzz message`
 #![no_main]
 
 #[allow(dead_code)]

@@ -1,4 +1,4 @@
-//! `twin evaluate ablation`.
+//! `twin evaluate ablation`: the ablation table.
 
 use std::path::PathBuf;
 
@@ -14,7 +14,7 @@ use crate::cli::{End, Overrides, read_weights};
 
 #[derive(Args)]
 pub(super) struct AblationArgs {
-    /// Weights of the full model: rows with and without the adapter.
+    /// Weights of the full model; they give two lines, with and without the adapter.
     #[arg(long, value_name = "FILE")]
     full: PathBuf,
     /// Weights trained without the global token.
@@ -26,7 +26,7 @@ pub(super) struct AblationArgs {
     /// Weights trained without the long memory.
     #[arg(long, value_name = "FILE")]
     without_long_memory: Option<PathBuf>,
-    /// What is flown with the full model; the paper: scenario B, 500 g, 1 m/s.
+    /// Scenario that the full model flies; the paper's is B with 500 g at 1 m/s.
     #[arg(long, value_name = "FILE", default_value = "scenarios/b_500g_fast.toml")]
     scenario: PathBuf,
     /// Seeds 1..=N.

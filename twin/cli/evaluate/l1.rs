@@ -1,4 +1,4 @@
-//! `twin evaluate l1`: what the L1 row of the tracking table depends on.
+//! `twin evaluate l1`: a sweep of the parameters of the L1 controller.
 
 use std::path::PathBuf;
 
@@ -12,13 +12,13 @@ use crate::cli::{End, Overrides};
 
 #[derive(Args)]
 pub(super) struct L1Args {
-    /// Scenario files whose paths are flown with the payload in hand from the start.
+    /// Scenarios whose paths are flown with the payload in the gripper from the start.
     #[arg(default_values = ["scenarios/a_500g_fast.toml", "scenarios/b_300g_slow.toml"])]
     scenarios: Vec<PathBuf>,
     /// Poles `-A_s`, 1/s.
     #[arg(long, value_delimiter = ',', default_value = "0.1,1,5,20")]
     poles: Vec<f64>,
-    /// Corners of the low-pass, rad/s: of x y z, and after the colon of the other rows.
+    /// Corners of the low-pass, rad/s: those of x y z, a colon, and those of the other coordinates.
     #[arg(long, value_delimiter = ',', default_value = "4:8,12:48,20:80,40:160", value_parser = parse_corners)]
     cutoffs: Vec<[f64; 2]>,
     /// Gain preset.
@@ -35,7 +35,7 @@ pub(super) struct L1Args {
 
 fn parse_corners(text: &str) -> Result<[f64; 2], String> {
     let parsed = text.split_once(':').and_then(|(a, b)| Some([a.parse().ok()?, b.parse().ok()?]));
-    parsed.ok_or_else(|| format!("found {text:?}, expected such as 2:4, rad/s"))
+    parsed.ok_or_else(|| format!("found {text:?}, expected two corners such as 2:4, rad/s"))
 }
 
 pub(super) fn run(args: &L1Args) -> anyhow::Result<End> {

@@ -1,4 +1,4 @@
-//! `twin evaluate`.
+//! `twin evaluate`: the tables of the paper.
 
 mod output;
 mod prediction;
@@ -19,17 +19,17 @@ pub(super) struct EvaluateArgs {
 
 #[derive(Subcommand)]
 enum Table {
-    /// How well residuals are forecast: a recording replayed through every predictor, a priori, beside the paper's table.
+    /// Accuracy of the forecasts: replay a recording through every predictor, a priori, and compare with the paper's table.
     Prediction(prediction::PredictionArgs),
-    /// Full pick, carry and place in all eight scenarios: methods, presets and seeds beside the paper's table.
+    /// Tracking: fly full missions of all eight scenarios with several methods, presets and seeds, and compare with the paper's table.
     Tracking(tracking::TrackingArgs),
-    /// How well the FDT predicts without one of its parts, beside the paper's table.
+    /// Accuracy of the FDT without one of its parts, compared with the paper's table.
     Ablation(ablation::AblationArgs),
-    /// What happens when the load changes: innovation, resets, recovery, with the adapter, without it, and without its reset.
+    /// Response to a change of the payload: innovation, resets, recovery, with the adapter, without it, and without its reset.
     Pickup(pickup::PickupArgs),
-    /// Sweep of what the L1 row depends on: pole and corners of its low-pass.
+    /// Sweep of the parameters of the L1 controller: pole, and corners of its low-pass.
     L1(l1::L1Args),
-    /// Fly trained weights without the adapter and write how well they predict then into their file; exit 0 if accepted.
+    /// Fly trained weights without the adapter, and write the scores of their forecasts into their file; exit code 0 if accepted.
     Acceptance(super::acceptance::AcceptanceArgs),
 }
 
@@ -44,10 +44,10 @@ pub(super) fn run(args: &EvaluateArgs) -> anyhow::Result<End> {
     }
 }
 
-/// Keys that fly a scenario's path with the payload in hand from the start, and nothing else of its mission.
+/// Overrides that fly the path of a scenario alone, with the payload in the gripper from the start.
 const PATH_ALONE: [&str; 2] = ["task.kind=path", "task.start=grasped"];
 
-/// The command line as it was given, to make a table again.
+/// The command line as it was given. Tables contain it, so that a reader can make them again.
 fn command() -> String {
     let mut words: Vec<String> = std::env::args().collect();
     if let Some(program) = words.first_mut() {

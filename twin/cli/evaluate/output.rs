@@ -1,4 +1,4 @@
-//! Where a table goes besides the terminal.
+//! Files that a table is written to.
 
 use std::path::{Path, PathBuf};
 
@@ -6,7 +6,7 @@ use anyhow::Context;
 use clap::Args;
 use twin_lab::evaluate::{Sheet, pictures_page};
 
-/// What every table takes.
+/// The flags of every command that makes a table.
 #[derive(Args)]
 pub(super) struct Output {
     /// Print one JSON object instead of a table.
@@ -21,7 +21,7 @@ pub(super) struct Output {
 }
 
 impl Output {
-    /// Writes what was asked for; `page` is called only if a page was.
+    /// Writes the files that the flags name; calls `page` only if one of them is a page.
     pub(super) fn write(
         &self,
         sheet: &Sheet,
@@ -38,7 +38,7 @@ impl Output {
         Ok(())
     }
 
-    /// The same with a page of `title`, the table, and `pictures` under it.
+    /// Writes the files; the page has `title`, the table, and `pictures` below it.
     pub(super) fn write_pictures(
         &self,
         title: &str,
@@ -52,7 +52,7 @@ impl Output {
     }
 }
 
-/// Writes a file, and its folder if there is none.
+/// Writes a file, and makes its folder if it is missing.
 pub(super) fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder)

@@ -1,4 +1,4 @@
-//! `twin evaluate pickup`.
+//! `twin evaluate pickup`: the response to a change of the payload.
 
 use std::path::PathBuf;
 

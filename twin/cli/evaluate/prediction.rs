@@ -1,4 +1,4 @@
-//! `twin evaluate prediction`.
+//! `twin evaluate prediction`: the prediction table.
 
 use std::path::PathBuf;
 
@@ -17,26 +17,26 @@ use crate::cli::{End, Overrides, read_weights};
 
 #[derive(Args)]
 pub(super) struct PredictionArgs {
-    /// The recording that is predicted.
+    /// Recording that is replayed.
     #[arg(default_value = "out/data/test_300g.mcap")]
     recording: PathBuf,
-    /// Folder of the training recordings, `collect_*.mcap`: their statistics z-score everything, `sindy` and `gp` are fitted on them.
+    /// Folder of the training recordings `collect_*.mcap`. Their statistics z-score all errors; `sindy` and `gp` are fitted to them.
     #[arg(long, value_name = "DIR", default_value = "out/data")]
     train: PathBuf,
-    /// Rows, in order; each file of `--weights` adds its own.
+    /// Lines of the table, in order; each file of `--weights` adds its own.
     #[arg(
         long,
         value_delimiter = ',',
         default_value = "persistence,gravity,bias,random_features,sindy,gp"
     )]
     models: Vec<String>,
-    /// File of weights: of the FDT two rows, without and with the adapter (repeatable).
+    /// File of weights; an FDT gives two lines, without and with the adapter (repeatable).
     #[arg(long, value_name = "FILE")]
     weights: Vec<PathBuf>,
-    /// Where `sindy.safetensors` and `gp.safetensors` are written.
+    /// Folder for `sindy.safetensors` and `gp.safetensors`.
     #[arg(long, value_name = "DIR", default_value = "out/models")]
     models_dir: PathBuf,
-    /// The vehicle and the adapter's settings.
+    /// Scenario that gives the vehicle and the settings of the adapter.
     #[arg(long, value_name = "FILE", default_value = "scenarios/test_300g.toml")]
     scenario: PathBuf,
     #[command(flatten)]
@@ -85,7 +85,7 @@ pub(super) fn run(args: &PredictionArgs) -> anyhow::Result<End> {
     Ok(End::Passed)
 }
 
-/// One hash for all training recordings: of theirs, in order.
+/// One hash of all training recordings, over their hashes in order.
 fn hash(training: &[Series]) -> String {
     use sha2::{Digest, Sha256};
     let mut hash = Sha256::new();
@@ -131,7 +131,7 @@ fn candidates(
     Ok(all)
 }
 
-/// Blanks before each of [`COLUMNS`] and its width in the terminal.
+/// For each of [`COLUMNS`], the number of blanks before it and its width in the terminal.
 const PLACES: [(usize, usize); COLUMNS.len()] =
     [(2, 6), (1, 7), (1, 6), (1, 7), (2, 7), (1, 7), (2, 6), (1, 8), (2, 7), (1, 7)];
 

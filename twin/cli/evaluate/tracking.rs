@@ -1,4 +1,4 @@
-//! `twin evaluate tracking`.
+//! `twin evaluate tracking`: the tracking table.
 
 use std::path::PathBuf;
 
@@ -22,27 +22,27 @@ pub(super) struct TrackingArgs {
     /// Seeds 1..=N of each scenario.
     #[arg(long, default_value_t = 10)]
     seeds: u64,
-    /// What flies without weights, one row each; `fdt` and `fdt_lra` fly the weights the program was built with; '' for none.
+    /// Methods without a file of weights, one line each; `fdt` and `fdt_lra` fly the built-in weights; '' for none.
     #[arg(long, value_delimiter = ',', default_value = "pid,l1,tdc,random_features")]
     rows: Vec<String>,
     /// Gain presets.
     #[arg(long, value_delimiter = ',', default_value = "tuned,paper")]
     presets: Vec<String>,
-    /// File of weights: of the FDT two rows, without and with the adapter, of any other model one; flown whether or not they
-    /// were accepted (repeatable).
+    /// File of weights; an FDT gives two lines, without and with the adapter, any other model gives one. Weights fly whether or not
+    /// they were accepted (repeatable).
     #[arg(long, value_name = "FILE")]
     weights: Vec<PathBuf>,
-    /// The path alone, with the payload in hand from the start, as `evaluate l1` flies it: what a method tracks that never gets
-    /// to the grasp.
+    /// Fly the path alone, with the payload in the gripper from the start, as `evaluate l1` does. This also shows the tracking of a
+    /// method that fails before the grasp.
     #[arg(long)]
     path_alone: bool,
     /// Flights at a time [default: one per core].
     #[arg(long)]
     jobs: Option<usize>,
-    /// Folder of the flights already made: what was interrupted goes on.
+    /// Folder that keeps finished flights, so that an interrupted run can resume.
     #[arg(long, value_name = "DIR", default_value = "out/cache")]
     cache: PathBuf,
-    /// Fly everything again.
+    /// Fly every flight again.
     #[arg(long, conflicts_with = "cache")]
     no_cache: bool,
     #[command(flatten)]
@@ -51,7 +51,7 @@ pub(super) struct TrackingArgs {
     overrides: Overrides,
 }
 
-/// Row and the keys that make it.
+/// Name of a line and the overrides that make it.
 const ROWS: [(&str, &[&str]); 6] = [
     ("pid", &["controller.kind=pid"]),
     ("l1", &["controller.kind=l1"]),
@@ -61,7 +61,7 @@ const ROWS: [(&str, &[&str]); 6] = [
     ("fdt_lra", &["predictor.kind=fdt"]),
 ];
 
-/// Keys of a baseline from a file: its own learning, if it has any, takes the adapter's place.
+/// Overrides of a baseline from a file. The adapter is off, because a baseline that adapts does so by itself.
 const BASELINE: [&str; 2] = ["predictor.kind=trained", "gains.adapter_on=0"];
 
 pub(super) fn run(args: &TrackingArgs) -> anyhow::Result<End> {
@@ -109,7 +109,7 @@ pub(super) fn run(args: &TrackingArgs) -> anyhow::Result<End> {
     Ok(if all { End::Passed } else { End::Failed })
 }
 
-/// Figures of a line: name for people, name in the line, decimals.
+/// Figures of a line: name on the page, name in JSON, decimals.
 const FIGURES: [(&str, &str, usize); 13] = [
     ("e8 mean", "completed_rms_error_e8_mean", 4),
     ("e8 std", "completed_rms_error_e8_std", 4),
@@ -145,7 +145,7 @@ fn sheet(lines: &[Line]) -> Sheet {
     sheet
 }
 
-/// Paths of the last row, the first seed of each of its columns: flown once more, as reports keep no path.
+/// Pictures of the paths of the last line, with the first seed of each column. They are flown again, because reports hold no path.
 fn paths(jobs: &[Job]) -> anyhow::Result<String> {
     let Some(last) = jobs.last() else { return Ok(String::new()) };
     let mut drawn: Vec<(String, Scenario)> = Vec::new();
@@ -163,7 +163,7 @@ fn paths(jobs: &[Job]) -> anyhow::Result<String> {
     Ok(text)
 }
 
-/// A row of the table: its name and the keys that make it.
+/// A line of the table: its name and the overrides that make it.
 struct Row {
     name: String,
     keys: Vec<String>,
@@ -184,7 +184,7 @@ fn rows(args: &TrackingArgs) -> anyhow::Result<Vec<Row>> {
     }
     for file in &args.weights {
         let weights = read_weights(file)?;
-        // Scenarios name weights relative to themselves.
+        // A scenario resolves the path of the weights relative to itself, so the path is made absolute.
         let whole = std::fs::canonicalize(file)?;
         let flown =
             [format!("predictor.weights={}", whole.display()), "predictor.force=true".to_owned()];
@@ -224,7 +224,7 @@ fn jobs(args: &TrackingArgs) -> anyhow::Result<Vec<Job>> {
     Ok(jobs)
 }
 
-/// A sentence for a flight that did not complete.
+/// A sentence about a flight that did not complete; `None` for one that did.
 fn trouble(outcome: &Outcome) -> Option<String> {
     match &outcome.result {
         Ok(report) if report.verdict == Verdict::Completed => None,
@@ -236,7 +236,7 @@ fn trouble(outcome: &Outcome) -> Option<String> {
     }
 }
 
-/// The paper's table: a row per method, a column per scenario, mean ± standard deviation over the flights that completed.
+/// Prints the paper's table: a line per method, a column per scenario, mean ± standard deviation over the flights that completed.
 fn print_matrix(lines: &[Line]) {
     print!("{:24}", "rms e8, m and rad");
     for column in COLUMNS {

@@ -1,4 +1,4 @@
-//! Where predictors are trained and compared: learning from recordings, and the tables of the paper.
+//! Training and comparison of predictors: learning from recordings, and the tables of the paper.
 
 pub mod learn;
 pub mod evaluate;

@@ -17,14 +17,14 @@ use twin_core::notation::{MAX_ROTORS, PerRotor};
 /// Air density at 15 °C and sea level, kg/m³.
 const AIR_KG_M3: f64 = 1.225;
 
-/// Collective thrust at which the rotor drag is given, N.
+/// Collective thrust for which the coefficient of rotor drag is given, N.
 const DRAG_REFERENCE_N: f64 = 30.0;
 
-/// Far wake: contraction of its radius and growth per metre below the rotor (jet of a hovering rotor).
+/// Far wake, the jet below a hovering rotor: its radius per rotor radius, and the growth of its radius per metre of depth.
 const WAKE_CONTRACTION: f64 = 0.78;
 const WAKE_SPREAD: f64 = 0.1;
 
-/// State of the base that the air sees.
+/// Pose and velocity of the base, and the wind.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Flow {
     /// `world_from_body`.
@@ -72,7 +72,8 @@ impl Aero {
         true
     }
 
-    /// Thrust of each rotor near surfaces: `T / (1 - (R / 4h)^2)` (Cheeseman and Bennett 1955), h over what is below it.
+    /// Thrust of each rotor near surfaces, N: `T / (1 - (R / 4h)^2)` (Cheeseman and Bennett 1955), with the height h above the
+    /// nearest surface below the rotor.
     pub(super) fn thrust_near_surfaces(
         &self,
         rotors: &Rotors,
@@ -91,7 +92,8 @@ impl Aero {
         thrust_n
     }
 
-    /// Force in the world (N) and moment in the body (N m) on the base besides thrust; advances wake and unsteady flow.
+    /// Aerodynamic force in the world (N) and moment in the body (N m) on the base, without thrust. Advances the wake and the
+    /// unsteady flow by `dt_s`.
     pub(super) fn step(
         &mut self,
         flow: &Flow,
@@ -124,7 +126,7 @@ impl Aero {
         (flow.rotation * force + self.unsteady_force, self.unsteady_moment)
     }
 
-    /// Induced velocity `sqrt(T / 2 rho A)` (momentum theory) reaches the wake with a lag.
+    /// The induced velocity `sqrt(T / 2 rho A)` (momentum theory) reaches the wake with a first-order lag.
     fn step_wake(&mut self, rotors: &Rotors, thrust_n: &PerRotor, dt_s: f64) {
         let area = std::f64::consts::PI * squared(rotors.settings.radius_m);
         let blend = 1.0 - exp(-dt_s / self.settings.wake_s);
@@ -133,7 +135,7 @@ impl Aero {
         }
     }
 
-    /// Wake velocity at a point in the world, m/s; zero above the rotors.
+    /// Wake velocity in the world at a point of the world, m/s; zero above the rotors.
     pub(super) fn wake_at(
         &self,
         point: &Vector3<f64>,
@@ -163,7 +165,7 @@ impl Aero {
     }
 }
 
-/// Drag of a body of `drag_area_m2` in the wake, N.
+/// Drag force in the world on a body with drag area `drag_area_m2` in the wake, N.
 pub(super) fn wake_force(wake: &Vector3<f64>, drag_area_m2: f64) -> Vector3<f64> {
     wake * (0.5 * AIR_KG_M3 * drag_area_m2 * wake.norm())
 }

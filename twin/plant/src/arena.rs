@@ -1,4 +1,4 @@
-//! Floor, box, table and cube; and the heights of surfaces for the ground effect.
+//! The arena: floor, box, table and cube. It also gives the heights of surfaces for the ground effect.
 
 use nalgebra::{Isometry3, Vector3};
 use rapier3d_f64::prelude::*;
@@ -19,7 +19,7 @@ struct Surface {
     height_m: f64,
 }
 
-/// What stands around the vehicle.
+/// Everything that stands around the vehicle.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Arena {
     surfaces: Vec<Surface>,

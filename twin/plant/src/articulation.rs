@@ -10,7 +10,7 @@ use super::PlantError;
 use super::convert::{from_pose, rotation_matrix, to_pose, to_vector};
 use crate::model::{Geometry, Inertial, JointKind, Robot, Shape};
 
-/// Largest relative difference between a URDF tensor and what Rapier stores: both are f64.
+/// Largest relative difference between the tensor of the URDF and the tensor that Rapier stores; both are f64.
 const TENSOR_TOLERANCE: f64 = 1e-9;
 
 /// One rigid body with the links that form it.
@@ -35,7 +35,7 @@ pub struct Dof {
     pub child: usize,
     /// Rapier's handle.
     pub handle: MultibodyJointHandle,
-    /// Slides instead of turning.
+    /// The joint slides (`true`) or turns (`false`).
     pub prismatic: bool,
     /// `parent_body_from_joint` with x along the axis.
     frame_in_parent: Pose,
@@ -55,10 +55,11 @@ pub struct Articulation {
 }
 
 impl Articulation {
-    /// Builds `robot` with its root link at `world_from_root`; all joints at zero, damping off, self-contacts off.
+    /// Inserts `robot` into `world` with the origin of its root link at `world_from_root`, m. All joints stand at zero; Rapier's own
+    /// damping and contacts between the links are off.
     ///
     /// # Errors
-    /// [`PlantError`] if a tensor cannot be represented, a mesh has no hull or a joint closes a loop.
+    /// [`PlantError`] if Rapier cannot represent a tensor, a mesh has no hull or a joint closes a loop.
     pub fn build(
         world: &mut PhysicsWorld,
         robot: &Robot,
@@ -76,7 +77,7 @@ impl Articulation {
         Ok(this)
     }
 
-    /// Which links move together, and where each sits in its body.
+    /// Finds the links that move together, and the pose of each in its body.
     fn group_links(robot: &Robot) -> Self {
         let mut link_places = vec![(0, Isometry3::identity()); robot.links.len()];
         let mut groups = vec![vec![robot.root]];
@@ -187,7 +188,7 @@ impl Articulation {
         Ok(())
     }
 
-    /// Compares what Rapier stores with what the URDF says.
+    /// Compares the tensors that Rapier stores with those of the URDF.
     fn check_tensors(&self, world: &mut PhysicsWorld, robot: &Robot) -> Result<(), PlantError> {
         let PhysicsWorld { bodies, colliders, .. } = world;
         for body in &self.bodies {
@@ -217,13 +218,13 @@ impl Articulation {
             .map(|(multibody, _)| multibody)
     }
 
-    /// The same, to change it.
+    /// The multibody for changes, if the vehicle has a moving joint.
     pub fn multibody_mut<'a>(&self, world: &'a mut PhysicsWorld) -> Option<&'a mut Multibody> {
         let handle = self.dofs.first()?.handle;
         world.multibody_joints.get_mut(handle).map(|(multibody, _)| multibody)
     }
 
-    /// Position and rate of a moving joint, rad and rad/s or m and m/s.
+    /// Position and rate of a moving joint (index into [`Self::dofs`]), rad and rad/s or m and m/s.
     pub fn joint_state(&self, world: &PhysicsWorld, dof: usize) -> (f64, f64) {
         let dof = &self.dofs[dof];
         let Some((multibody, link)) = world.multibody_joints.get(dof.handle) else {
@@ -235,7 +236,7 @@ impl Articulation {
         (position, multibody.joint_velocity(link)[0])
     }
 
-    /// Puts the moving joints at `positions` (in order of [`Self::dofs`]) from zero.
+    /// Moves the joints from zero to `positions`, rad or m, in the order of [`Self::dofs`].
     pub fn set_joint_positions(&self, world: &mut PhysicsWorld, positions: &[f64]) {
         let PhysicsWorld { multibody_joints, bodies, .. } = world;
         let Some(first) = self.dofs.first() else { return };
@@ -254,7 +255,7 @@ impl Articulation {
         }
     }
 
-    /// Forgets every force and torque of the last step.
+    /// Clears every force and torque that was applied to the bodies.
     pub fn clear_forces(&self, world: &mut PhysicsWorld) {
         for body in &self.bodies {
             if let Some(rigid) = world.bodies.get_mut(body.handle) {
@@ -264,7 +265,7 @@ impl Articulation {
         }
     }
 
-    /// Applies a joint torque (N m) or force (N) as an equal and opposite pair.
+    /// Applies a joint torque (N m) or force (N) to the child, and the opposite of it to the parent.
     pub fn apply_joint_effort(&self, world: &mut PhysicsWorld, dof: usize, effort: f64) {
         let dof = &self.dofs[dof];
         let (parent, child) = (self.bodies[dof.parent].handle, self.bodies[dof.child].handle);
@@ -289,7 +290,7 @@ impl Articulation {
         }
     }
 
-    /// Pose of a link in the world.
+    /// `world_from_link` of link number `link`, m.
     pub fn link_pose(&self, world: &PhysicsWorld, link: usize) -> Isometry3<f64> {
         let (body, place) = self.link_places[link];
         world
@@ -298,8 +299,8 @@ impl Articulation {
             .map_or(place, |b| from_pose(b.position()) * place)
     }
 
-    /// Joint-space mass matrix `M = sum J^T diag(m, R I R^T) J` in Rapier's order: root linear and angular velocity in the
-    /// world, then joints. For tests against an independent model.
+    /// Joint-space mass matrix `M = sum J^T diag(m, R I R^T) J`, square, in Rapier's order: linear and angular velocity of the root in
+    /// the world, then joints. Tests compare it with an independent model.
     pub fn mass_matrix(&self, world: &PhysicsWorld) -> DMatrix<f64> {
         let Some(multibody) = self.multibody(world) else { return DMatrix::zeros(0, 0) };
         let mut m = DMatrix::zeros(multibody.ndofs(), multibody.ndofs());
@@ -320,7 +321,7 @@ impl Articulation {
     }
 }
 
-/// Mass, centre of mass and tensor of several links in the frame of their body.
+/// Mass, centre of mass and inertia tensor of several links together, in the frame of their body.
 pub(super) fn lumped_inertial(
     robot: &Robot,
     links: &[usize],

@@ -1,4 +1,4 @@
-//! glam and nalgebra meet here and nowhere else.
+//! Conversions between glam, which Rapier uses, and nalgebra. No other file has them.
 
 use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use rapier3d_f64::prelude::{Pose, Rotation, Vector};
@@ -34,7 +34,7 @@ pub(super) fn rotation_matrix(q: Rotation) -> Matrix3<f64> {
     *from_rotation(q).to_rotation_matrix().matrix()
 }
 
-/// A pose as the viewers want it.
+/// An isometry as the pose that a tick and the viewers use.
 pub(super) fn view_pose(iso: &Isometry3<f64>) -> twin_core::tick::Pose {
     let q = iso.rotation;
     twin_core::tick::Pose {

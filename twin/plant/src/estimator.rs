@@ -1,7 +1,8 @@
-//! State estimator: IMU integrated at 1 kHz, corrected by late motion capture, with bias states for both halves of the IMU.
+//! State estimator: it integrates the IMU at 1 kHz and corrects the result by delayed motion capture. It also estimates the biases
+//! of accelerometer and gyroscope.
 //!
 //! In: IMU, motion capture, encoders. Out: coordinates, rates, accelerations. State: position, velocity, attitude, biases and a
-//! short history against which late samples are compared.
+//! short history of estimates, with which delayed samples are compared.
 
 use std::collections::VecDeque;
 
@@ -13,13 +14,13 @@ use twin_core::notation::{
     Coords, GRAVITY_M_S2, euler_from_rotation, euler_rate_from_body_rate, wrap_angle,
 };
 
-/// Triple pole of the position observer, rad/s: the accelerometer bias is known after about a second.
+/// Triple pole of the position observer, rad/s: the estimate of the accelerometer bias settles in about a second.
 const POSITION_POLE_RAD_S: f64 = 4.0;
 
 /// Double pole of the attitude observer, rad/s.
 const ATTITUDE_POLE_RAD_S: f64 = 4.0;
 
-/// Steps of history kept for late samples: 50 ms.
+/// Estimates that are kept for delayed samples, one a step: 50 ms.
 const HISTORY: usize = 50;
 
 /// Estimated state.
@@ -79,7 +80,7 @@ impl Estimator {
         }
     }
 
-    /// One 1 ms step of prediction.
+    /// Integrates one IMU sample over a step of 1 ms.
     pub(super) fn predict(&mut self, imu: &Imu) {
         let dt = self.dt_s;
         let omega = imu.gyro - self.gyro_bias;
@@ -101,7 +102,7 @@ impl Estimator {
         self.history.push_back((self.position, self.rotation));
     }
 
-    /// Compares a late sample with the estimate of its time and corrects the present one.
+    /// Compares a delayed sample with the estimate of the same time, and corrects the present estimate by the difference.
     pub(super) fn correct(&mut self, mocap: &Mocap) {
         let index = self.history.len().saturating_sub(1 + mocap.age_steps);
         let Some((position, rotation)) = self.history.get(index).copied() else { return };
@@ -120,7 +121,7 @@ impl Estimator {
         self.gyro_bias -= tilt * (w * w * dt);
     }
 
-    /// Takes an encoder reading; a fresh rate is differentiated numerically.
+    /// Takes the joint angles (rad) and rates (rad/s). A `fresh` rate is also differentiated, by the backward difference.
     pub(super) fn encoders(&mut self, joint: Vector2<f64>, joint_dot: Vector2<f64>, fresh: bool) {
         self.joint = joint;
         if fresh {
@@ -137,7 +138,7 @@ impl Estimator {
         stack(&self.velocity, &self.eta_dot, &self.joint_dot)
     }
 
-    /// Unfiltered accelerations.
+    /// Accelerations of the coordinates, unfiltered, m/s² and rad/s².
     pub(super) fn chi_ddot(&self) -> Coords {
         stack(&self.acceleration, &self.eta_ddot, &self.joint_ddot)
     }
@@ -154,8 +155,8 @@ impl Estimator {
 /// Most iterations of [`orthonormal`]; one or two are usual.
 const ORTHONORMAL_ITERATIONS: usize = 100;
 
-/// The rotation nearest to what rounding left of one. `Rotation3::renormalize` does the same without a limit: near its
-/// machine-epsilon tolerance it may cycle forever, and on NaN it always does.
+/// The rotation matrix nearest to a matrix that rounding has made slightly non-orthogonal. `Rotation3::renormalize` does the same
+/// without a limit of iterations: near its tolerance of machine epsilon it may cycle forever, and on NaN it always does.
 fn orthonormal(rotation: &Rotation3<f64>) -> Rotation3<f64> {
     let mut guess = UnitQuaternion::from(*rotation);
     guess.renormalize();
@@ -167,7 +168,7 @@ fn orthonormal(rotation: &Rotation3<f64>) -> Rotation3<f64> {
     )
 }
 
-/// Coordinates from their three parts.
+/// Coordinates χ from position (m), Euler angles (rad) and joint angles (rad); the same for rates and accelerations.
 pub(super) fn stack(
     position: &Vector3<f64>,
     attitude: &Vector3<f64>,
@@ -187,7 +188,7 @@ mod tests {
         let nearly = Rotation3::from_euler_angles(0.3, -0.2, 0.1).into_inner() * (1.0 + 1e-9);
         let made = orthonormal(&Rotation3::from_matrix_unchecked(nearly));
         let error = (made.matrix() * made.matrix().transpose() - Matrix3::identity()).norm();
-        // A matrix of f64 is orthonormal to some roundings.
+        // The entries are near one, so orthonormality is off by a few roundings of f64.
         assert!(error < 1e-14, "{error:.1e}");
         for unusable in [f64::NAN, f64::INFINITY, 0.0] {
             orthonormal(&Rotation3::from_matrix_unchecked(Matrix3::repeat(unusable)));

@@ -1,4 +1,4 @@
-//! Parts of the simulated vehicle that fail for a time, as a scenario asks for.
+//! Failures: parts of the simulated vehicle that stop working for a time that the scenario gives.
 
 use nalgebra::Vector3;
 use rapier3d_f64::prelude::ColliderHandle;
@@ -7,7 +7,7 @@ use super::SimulatedVehicle;
 use twin_core::source::Failure;
 
 impl SimulatedVehicle {
-    /// A part fails (`on`) or works again.
+    /// Makes a part fail (`on`), or makes it work again.
     pub(super) fn fail(&mut self, failure: &Failure, on: bool) {
         let only_on =
             |vector: &[f64; 3]| if on { Vector3::from(*vector) } else { Vector3::zeros() };
@@ -28,12 +28,12 @@ impl SimulatedVehicle {
             Failure::GripperSlip { friction } => self.slip(on.then_some(*friction)),
             Failure::Gust { velocity_m_s } => self.failures.gust = only_on(velocity_m_s),
             Failure::ComputerStall => self.failures.stalled = on,
-            // The flight's predictor is wrapped; the plant has no part in it.
+            // `flight` wraps the predictor for this failure; the plant does nothing.
             Failure::PredictorNan => {}
         }
     }
 
-    /// Gives pads and payload another friction, or their own again.
+    /// Sets the friction coefficient of pads and payload, or restores their own with `None`.
     fn slip(&mut self, friction: Option<f64>) {
         match friction {
             Some(friction) => {
@@ -56,13 +56,13 @@ impl SimulatedVehicle {
         }
     }
 
-    /// Colliders that hold each other in a grasp.
+    /// Colliders whose friction holds the payload: the pads and the cube.
     fn grip_colliders(&self) -> Vec<ColliderHandle> {
         let pads = self.gripper.iter().flat_map(|gripper| gripper.pads.iter().copied());
         pads.chain(self.arena.payload_collider).collect()
     }
 
-    /// Friction coefficient of pads and payload.
+    /// Sets the friction coefficient of pads and payload.
     pub(super) fn set_grip_friction(&mut self, friction: f64) {
         for handle in self.grip_colliders() {
             if let Some(collider) = self.world.colliders.get_mut(handle) {

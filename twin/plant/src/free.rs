@@ -1,4 +1,4 @@
-//! A vehicle alone in Rapier's world: one rigid body under a wrench from outside. No ground, air, rotors, sensors or noise.
+//! A free rigid body: a vehicle alone in Rapier's world under a given wrench, without ground, air, rotors, sensors and noise.
 
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 use rapier3d_f64::prelude::*;
@@ -9,41 +9,42 @@ use super::convert::{from_vector, rotation_matrix, to_pose, to_vector};
 use crate::model::{Inertial, Robot, link_poses};
 use twin_core::notation::{GRAVITY_M_S2, TICK_S};
 
-/// Where the root link is and how it moves.
+/// Pose and velocity of the root link.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
     /// Origin of the root link in the world, m.
     pub position: Vector3<f64>,
-    /// World-from-body.
+    /// `world_from_body`.
     pub rotation: Matrix3<f64>,
-    /// Velocity of the origin in the world, m/s.
+    /// Velocity of the root link's origin in the world, m/s.
     pub velocity: Vector3<f64>,
     /// Angular velocity in the body, rad/s.
     pub body_rate: Vector3<f64>,
 }
 
-/// What acts on it during a tick.
+/// Force and torque that act on the body during a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Wrench {
-    /// At the origin of the root link.
+    /// Acts at the origin of the root link; the body turns freely.
     Free {
-        /// Force and torque in the body, turning with it, N and N m.
+        /// Force and torque in the body frame, N and N m. Their axes turn with the body.
         in_body: [Vector3<f64>; 2],
         /// Force in the world, N.
         in_world: Vector3<f64>,
     },
-    /// Force in the world, N. The attitude stays as it was put.
+    /// Force in the world, N. The body keeps its attitude.
     Held(Vector3<f64>),
 }
 
-/// Mass, centre of mass and inertia of the whole of `robot` in its root link, its joints locked at `angles`, rad or m.
+/// Mass, centre of mass and inertia of the whole `robot` in its root link, with its joints locked at `angles` (one for each joint,
+/// rad or m).
 pub fn locked(robot: &Robot, angles: &[f64]) -> Inertial {
     let poses = link_poses(robot, &Isometry3::identity(), angles);
     let places: Vec<_> = poses.into_iter().map(|pose| (0, pose)).collect();
     lumped_inertial(robot, &(0..robot.links.len()).collect::<Vec<_>>(), &places)
 }
 
-/// The body.
+/// One rigid body alone in Rapier's world.
 pub struct FreeBody {
     world: PhysicsWorld,
     handle: RigidBodyHandle,
@@ -51,7 +52,7 @@ pub struct FreeBody {
 }
 
 impl FreeBody {
-    /// Of this mass, centre of mass and inertia in the root link.
+    /// A body with this mass, centre of mass and inertia in the root link.
     pub fn new(inertial: &Inertial) -> Self {
         let mut world = PhysicsWorld {
             gravity: Vector::new(0.0, 0.0, -GRAVITY_M_S2),
@@ -65,7 +66,7 @@ impl FreeBody {
         Self { world, handle, com_in_root: inertial.com_in_link }
     }
 
-    /// Puts it there, moving so.
+    /// Sets pose and velocity of the body.
     pub fn put(&mut self, motion: &Motion) {
         let Self { world, handle, com_in_root } = self;
         let PhysicsWorld { bodies, colliders, .. } = world;
@@ -81,7 +82,7 @@ impl FreeBody {
         body.recompute_mass_properties_from_colliders(colliders);
     }
 
-    /// Ten steps of 1 ms under `wrench`.
+    /// Advances the body by one tick, ten steps of 1 ms, under `wrench`.
     pub fn tick(&mut self, wrench: &Wrench) {
         let held = matches!(wrench, Wrench::Held(_));
         for _ in 0..(TICK_S / STEP_S).round() as usize {
@@ -95,7 +96,7 @@ impl FreeBody {
             match wrench {
                 Wrench::Held(force) => body.add_force(to_vector(force), true),
                 Wrench::Free { in_body, in_world } => {
-                    // Held over the step in the world: taken at the attitude of mid-step.
+                    // The wrench is constant in the world during a step. Its direction is that of the attitude in the middle of the step.
                     let middle = Rotation3::new(motion.body_rate * (0.5 * STEP_S));
                     let rotation = motion.rotation * middle.matrix();
                     let force = rotation * in_body[0] + in_world;
@@ -107,7 +108,7 @@ impl FreeBody {
         }
     }
 
-    /// Where it is and how it moves.
+    /// Pose and velocity of the body now.
     pub fn motion(&self) -> Motion {
         let identity = Motion {
             position: Vector3::zeros(),
@@ -189,7 +190,7 @@ mod tests {
         assert!((tumbling.motion().velocity - motion.velocity).norm() < 1e-12);
         let lift = Wrench::Held(Vector3::z() * MASS_KG * GRAVITY_M_S2);
         tumbling.tick(&lift);
-        // Held means held: no turning, whatever it was put with.
+        // A body that keeps its attitude does not turn, whatever its initial rate was.
         assert!(tumbling.motion().body_rate.norm() < 1e-12);
     }
 }

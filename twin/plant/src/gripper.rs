@@ -1,4 +1,5 @@
-//! The gripper: coupled fingers driven by one force-limited velocity motor. Grasping is friction between colliders, never a weld.
+//! The gripper: one force-limited velocity motor drives coupled fingers. Friction between colliders holds the payload; nothing is
+//! welded.
 
 use rapier3d_f64::prelude::*;
 
@@ -6,7 +7,7 @@ use super::{Articulation, GripperSettings, PlantError};
 use crate::model::Robot;
 use twin_core::tick::{GripperCommand, GripperReading};
 
-/// Motor damping times closing speed must exceed the grip force, or the motor delivers less than asked.
+/// Product of motor damping and closing speed, as a multiple of the grip force. Below 1 the motor would not reach the grip force.
 const MOTOR_HEADROOM: f64 = 1.5;
 
 /// Fingers and palm of the vehicle.
@@ -72,7 +73,7 @@ impl Gripper {
         Ok(Some(Self { fingers, pads, palm, settings: settings.clone(), command: None }))
     }
 
-    /// Distance between pads and its rate.
+    /// Distance between the pads, m, and its rate, m/s.
     pub(super) fn reading(
         &self,
         world: &PhysicsWorld,
@@ -87,7 +88,7 @@ impl Gripper {
         )
     }
 
-    /// Drives the fingers; does nothing while the command stays the same.
+    /// Drives the fingers to the command; does nothing while the command stays the same.
     pub(super) fn drive(
         &mut self,
         world: &mut PhysicsWorld,
@@ -120,7 +121,8 @@ impl Gripper {
     }
 }
 
-/// Couples every joint that mimics another, and gives each joint its URDF damping and friction plus the arm's armature.
+/// Couples each mimicking joint to its leader, and gives every joint its damping and friction from the URDF and the armature of
+/// the arm.
 pub(super) fn apply_joint_properties(
     world: &mut PhysicsWorld,
     articulation: &Articulation,

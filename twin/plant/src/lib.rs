@@ -1,6 +1,7 @@
 //! The simulated vehicle in its arena: the only place that knows Rapier and glam.
 //!
-//! In: a [`twin_core::tick::Setpoint`] and the inner rows. Out: a [`twin_core::tick::Measurement`] every 10 ms, made of ten steps of 1 ms.
+//! In: a [`twin_core::tick::Setpoint`] and the inner controllers. Out: a [`twin_core::tick::Measurement`] every 10 ms, which is ten
+//! steps of 1 ms.
 //! State: Rapier's world, actuators, wake, wind, sensors, estimator.
 
 pub mod model;
@@ -45,12 +46,12 @@ pub enum PlantError {
         file: String,
         /// `link` or `joint`.
         what: &'static str,
-        /// What was asked for.
+        /// Name that the scenario gives.
         name: String,
-        /// What exists.
+        /// Names that the URDF has.
         available: String,
     },
-    /// The physics engine stores another tensor than the URDF's.
+    /// The physics engine stores an inertia tensor that differs from the URDF's.
     #[error(
         "link {link:?}: Rapier cannot represent its inertia tensor (relative error {relative_error:.1e}); make the \
          principal moments of this small link equal or separate them by more than 1e-5 kg m²"
@@ -61,7 +62,7 @@ pub enum PlantError {
         /// Relative error of the tensor.
         relative_error: f64,
     },
-    /// A mesh has no volume to collide with.
+    /// A mesh has no convex hull, so it cannot collide.
     #[error(
         "link {link:?}: its collision mesh has no convex hull (fewer than four points that are not in a plane)"
     )]
@@ -75,15 +76,15 @@ pub enum PlantError {
         /// Joint.
         joint: String,
     },
-    /// The vehicle cannot fly.
+    /// The number of rotors is outside the range that the allocation can use.
     #[error("vehicle.rotors: {found} rotors given, 3 to {max} needed")]
     Rotors {
-        /// What was found.
+        /// Number of rotors that the scenario gives.
         found: usize,
-        /// Limit.
+        /// Largest number of rotors.
         max: usize,
     },
-    /// Geometry of a model file.
+    /// A model file cannot be used.
     #[error(transparent)]
     Model(#[from] crate::model::ModelError),
 }

@@ -1,4 +1,4 @@
-//! Rotors: transport delay, speed lag, thrust curve, reaction torque; and the same chain as the loop models it.
+//! Rotors: transport delay, speed lag, thrust curve and reaction torque. The loop's model of delay and lag runs beside them.
 
 use std::collections::VecDeque;
 
@@ -8,14 +8,14 @@ use super::settings::{RotorPlace, RotorSettings};
 use twin_core::elementary::exp;
 use twin_core::notation::{MAX_ROTORS, PerRotor};
 
-/// A command on its way to an actuator.
+/// A queue that delays the commands to an actuator.
 #[derive(Clone, Debug)]
 pub(super) struct Delay<T> {
     line: VecDeque<T>,
 }
 
 impl<T: Clone> Delay<T> {
-    /// Delays by `delay_s` at steps of `dt_s`; filled with `initial`.
+    /// A delay of `delay_s` in steps of `dt_s`; the queue is full of `initial`.
     pub(super) fn new(delay_s: f64, dt_s: f64, initial: T) -> Self {
         let steps = (delay_s / dt_s).round().clamp(0.0, 1e4) as usize;
         Self { line: vec![initial; steps].into() }
@@ -59,16 +59,16 @@ pub(super) struct Rotors {
     pub(super) settings: RotorSettings,
     real: Drive,
     modelled: Drive,
-    /// Thrust of each rotor per thrust of a healthy one.
+    /// Thrust of each rotor as a fraction of a healthy rotor's thrust.
     pub(super) efficiency: PerRotor,
     /// True thrust before aerodynamics, N.
     pub(super) thrust_n: PerRotor,
-    /// Thrust as the loop models it, N.
+    /// Thrust that the loop's model gives, N.
     pub(super) modelled_thrust_n: PerRotor,
 }
 
 impl Rotors {
-    /// Turning at the speed that makes `hover_n` each.
+    /// Rotors that turn at the speed for a thrust of `hover_n` each.
     pub(super) fn new(
         places: &[RotorPlace],
         settings: &RotorSettings,
@@ -101,7 +101,7 @@ impl Rotors {
         self.modelled_thrust_n = self.modelled.step(command_n, &self.settings, dt_s);
     }
 
-    /// Turning speed of rotor `i`, rad/s.
+    /// Speed of rotor `i`, rad/s.
     pub(super) fn speed_rad_s(&self, i: usize) -> f64 {
         self.real.speed_rad_s[i]
     }

@@ -1,4 +1,4 @@
-//! What the sensors report: motion capture with latency, IMU with bias and vibration, joint encoders. Seeded.
+//! Sensors: motion capture with latency, IMU with bias and vibration, joint encoders. All noise is seeded.
 
 use std::collections::VecDeque;
 
@@ -13,7 +13,7 @@ use twin_core::normal::StandardNormal;
 use twin_core::notation::{GRAVITY_M_S2, PerRotor};
 use twin_core::tick::PayloadReading;
 
-/// The true state the sensors look at.
+/// The true state that the sensors measure.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct State {
     pub(super) rotation: Matrix3<f64>,
@@ -26,13 +26,13 @@ pub(super) struct State {
     pub(super) payload: Option<PayloadReading>,
 }
 
-/// A motion-capture sample as it arrives, latency late.
+/// A motion-capture sample that arrives after the latency.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Mocap {
     pub(super) position: Vector3<f64>,
     pub(super) rotation: Matrix3<f64>,
     pub(super) payload: Option<PayloadReading>,
-    /// How old it is when it arrives, in 1 ms steps.
+    /// Its age when it arrives, in steps of 1 ms.
     pub(super) age_steps: usize,
 }
 
@@ -45,25 +45,25 @@ pub(super) struct Imu {
     pub(super) gyro: Vector3<f64>,
 }
 
-/// What is wrong with the sensors.
+/// Failures of the sensors that are in force.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct SensorFailures {
-    /// Motion capture takes no sample.
+    /// Motion capture gives no sample.
     pub(super) mocap_lost: bool,
-    /// Added to the measured position of the base, m.
+    /// Error that is added to the measured position of the base, m.
     pub(super) mocap_offset: Vector3<f64>,
-    /// Added to the specific force, m/s².
+    /// Error that is added to the specific force, m/s².
     pub(super) accelerometer_bias: Vector3<f64>,
-    /// Added to the angular rate, rad/s.
+    /// Error that is added to the angular rate, rad/s.
     pub(super) gyro_bias: Vector3<f64>,
-    /// Encoders repeat their last angle.
+    /// The encoders repeat their last angle.
     pub(super) encoders_dead: bool,
 }
 
-/// Sensors with their biases and the samples under way.
+/// Sensors with their biases and the samples that have not arrived yet.
 #[derive(Clone, Debug)]
 pub(super) struct Sensors {
-    /// What is wrong with them.
+    /// Failures that are in force.
     pub(super) failures: SensorFailures,
     settings: SensorSettings,
     rng: Pcg64,
@@ -104,7 +104,8 @@ impl Sensors {
         }
     }
 
-    /// Specific force from the change of the base velocity over the step, plus vibration of the rotors, noise and bias.
+    /// An IMU sample: the specific force comes from the change of the base's velocity over the step, and vibration of the rotors,
+    /// noise and bias are added.
     pub(super) fn imu(
         &mut self,
         state: &State,
@@ -141,7 +142,7 @@ impl Sensors {
         sum * 0.5
     }
 
-    /// The motion-capture sample that arrives in this step, if any. Call once per step.
+    /// The motion-capture sample that arrives in this step, if one does. The caller calls this once a step.
     pub(super) fn mocap(&mut self, state: &State) -> Option<Mocap> {
         let s = self.settings;
         self.step += 1;
@@ -174,7 +175,7 @@ impl Sensors {
         Mocap { position, rotation: state.rotation * tilt.matrix(), payload, age_steps }
     }
 
-    /// Joint angles (quantised) and rates (quantised, held between readings).
+    /// Quantised joint angles, rad; quantised rates, rad/s, which stay the same between two readings; and whether the rates are new.
     pub(super) fn encoders(&mut self, state: &State) -> (Vector2<f64>, Vector2<f64>, bool) {
         let s = self.settings;
         let quantise = |x: f64, step: f64| (x / step).round() * step;

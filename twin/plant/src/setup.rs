@@ -1,4 +1,4 @@
-//! How a flight begins: the world, the joints, the cube.
+//! The world, the joints and the cube at the start of a flight.
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector2, Vector3};
 use rand::RngExt;
@@ -13,20 +13,20 @@ use crate::model::Robot;
 use twin_core::normal::StandardNormal;
 use twin_core::notation::GRAVITY_M_S2;
 
-/// Where a flight begins.
+/// Initial pose of the vehicle and its payload.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Start {
     /// Origin of the root link in the world, m.
     pub position: Vector3<f64>,
     /// Arm joint angles, rad.
     pub joints: Vector2<f64>,
-    /// Pose of the payload if it starts in the closed gripper.
+    /// Position of the payload in the world if it starts in the closed gripper, m.
     pub grasped: Option<Vector3<f64>>,
-    /// Plant steps of 1 ms between two calls of the inner rows.
+    /// Plant steps of 1 ms between two calls of the inner controllers.
     pub inner_steps: u64,
 }
 
-/// Everything in Rapier's world.
+/// Rapier's world with everything that was inserted into it.
 pub(super) struct Rig {
     pub(super) world: PhysicsWorld,
     pub(super) articulation: Articulation,
@@ -61,7 +61,7 @@ pub(super) fn rig(
     Ok(Rig { world, articulation, arm, gripper, arena })
 }
 
-/// Rapier with the measured settings: stiff contacts, no recycling, gravity along -z.
+/// An empty world of Rapier with the measured contact settings: stiff contacts, no recycling, gravity along -z.
 pub fn new_world(contact: &ContactSettings) -> PhysicsWorld {
     let mut world =
         PhysicsWorld { gravity: Vector::new(0.0, 0.0, -GRAVITY_M_S2), ..PhysicsWorld::default() };
@@ -76,7 +76,7 @@ pub fn new_world(contact: &ContactSettings) -> PhysicsWorld {
     world
 }
 
-/// Degrees of freedom of the arm joints that have rows.
+/// Degrees of freedom of the arm joints `q1 q2`.
 fn arm_dofs(
     robot: &Robot,
     articulation: &Articulation,
@@ -105,7 +105,7 @@ fn arm_dofs(
         .collect()
 }
 
-/// Joint positions at the start: arm as asked, fingers open, or on the payload.
+/// Joint positions at the start: the arm as `start` says, the fingers open or closed on the payload.
 fn initial_joints(
     robot: &Robot,
     articulation: &Articulation,
@@ -126,7 +126,7 @@ fn initial_joints(
     positions
 }
 
-/// Start pose of the cube with its seeded scatter.
+/// Start pose of the cube, with a seeded random offset.
 fn payload_pose(settings: &PlantSettings, start: &Start, rng: &mut Pcg64) -> Isometry3<f64> {
     let payload = &settings.payload;
     let mut scatter = || payload.position_spread_m * (2.0 * rng.random::<f64>() - 1.0);

@@ -1,4 +1,4 @@
-//! The simulated vehicle as a [`Source`]: ten 1 ms steps per tick, the inner rows every second one.
+//! The simulated vehicle as a [`Source`]: ten steps of 1 ms a tick, with the inner controllers at every second step.
 
 use nalgebra::Vector3;
 
@@ -59,7 +59,7 @@ impl Source for SimulatedVehicle {
             Disturbance::Push { force_n, duration_s } => {
                 self.push = Some((Vector3::from(*force_n), *duration_s));
             }
-            // The cube turns slippery: it leaves the closed fingers by its weight.
+            // The friction of the cube becomes zero, so its weight pulls it out of the closed fingers.
             Disturbance::DropPayload => self.set_grip_friction(0.0),
             Disturbance::Failure { failure, on } => self.fail(failure, *on),
             Disturbance::Effect { name, on } => {

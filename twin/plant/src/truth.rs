@@ -1,4 +1,4 @@
-//! What really happened, read out of Rapier once per tick.
+//! The true state of the simulation, read from Rapier once a tick.
 
 use nalgebra::Vector3;
 use rapier3d_f64::prelude::*;
@@ -12,7 +12,7 @@ use twin_core::elementary::acos;
 use twin_core::notation::{Coords, euler_from_rotation, euler_rate_from_body_rate, wrap_angle};
 use twin_core::tick::{Contact, Truth};
 
-/// Contacts weaker than this are not shown, N.
+/// Weakest contact that is recorded, N.
 const FAINTEST_N: f64 = 0.02;
 
 /// The truth of a tick.
@@ -55,10 +55,10 @@ pub(super) fn truth(vehicle: &SimulatedVehicle) -> Truth {
     }
 }
 
-/// True coordinates and their rates, yaw within half a turn.
+/// True coordinates and their rates; yaw lies in (-π, π].
 fn true_coordinates(state: &State) -> (Coords, Coords) {
     let mut eta = euler_from_rotation(&state.rotation);
-    // Of a yaw of -0.0 it makes 0.0, which hashes differently.
+    // The sum turns a yaw of -0.0 into 0.0; the two hash differently.
     eta.z = 0.0 + wrap_angle(eta.z);
     let eta_dot = euler_rate_from_body_rate(&eta) * state.omega;
     (stack(&state.position, &eta, &state.joint), stack(&state.velocity, &eta_dot, &state.joint_dot))

@@ -8,7 +8,7 @@ use super::settings::{WindKind, WindSettings};
 use twin_core::elementary::{cos, exp};
 use twin_core::normal::StandardNormal;
 
-/// Wind with its turbulence state.
+/// Wind with the state of its turbulence.
 #[derive(Clone, Debug)]
 pub(super) struct Wind {
     pub(super) settings: WindSettings,

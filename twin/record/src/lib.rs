@@ -1,7 +1,7 @@
-//! Flights of this program on disk: the recorder, reading its files back, and the scene that viewers draw.
+//! Recordings of this program: the recorder, the reader of its files, and the scene that viewers draw.
 //!
-//! A recording is an MCAP file. Foxglove's schemas make it readable for other programs; the topics `/twin/measurement` and
-//! `/twin/tick` hold every bit of the loop beside them, so that a replay is exact.
+//! A recording is an MCAP file. Other programs can read it, because it uses Foxglove's schemas. The topics `/twin/measurement` and
+//! `/twin/tick` also hold every bit of the loop, so that a replay is exact.
 
 pub mod program;
 pub mod scene;

@@ -1,7 +1,7 @@
 //! A tick as JSON and back. Finite numbers survive bit for bit.
 //!
-//! JSON has no NaN: `serde_json` writes `null` for it (and for infinities), and refuses the `null` when it reads. A tick
-//! with a fault holds such numbers, so a `null` where a number is expected is read as NaN here.
+//! JSON has no NaN: `serde_json` writes NaN and infinities as `null`, and refuses a `null` when it reads a number. A tick with a
+//! fault holds such numbers. The reader here therefore reads a `null` in the place of a number as NaN.
 
 use serde::de::value::{MapDeserializer, SeqDeserializer};
 use serde::de::{DeserializeOwned, Deserializer, IntoDeserializer, Visitor};
@@ -10,7 +10,7 @@ use serde_json::{Error, Value};
 
 /// Reads one record; `null` in the place of a number is NaN.
 pub fn from_json<T: DeserializeOwned>(text: &[u8]) -> Result<T, Error> {
-    // Nearly every record is finite, and this way is several times faster.
+    // Nearly every record is finite, and `serde_json` alone reads those several times faster.
     if let Ok(record) = serde_json::from_slice(text) {
         return Ok(record);
     }

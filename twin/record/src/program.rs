@@ -1,4 +1,4 @@
-//! Which program flies: recordings, reports and trained weights name it.
+//! The identity of this program, which recordings, reports and trained weights name.
 
 use std::sync::OnceLock;
 
@@ -9,7 +9,7 @@ static COMMIT: OnceLock<&'static str> = OnceLock::new();
 
 /// States the commit that the program was built from. `main` calls this once, before anything else; later calls change nothing.
 ///
-/// The commit comes from `main` and not from a build script of a library, because a commit would otherwise rebuild every crate.
+/// `main` gives the commit. A build script of a library would have to read it, too, and every commit would then rebuild every crate.
 pub fn set_commit(commit: &'static str) {
     COMMIT.get_or_init(|| commit);
 }

@@ -1,8 +1,8 @@
-//! Ticks to an MCAP file that other tools open unaided and a replay reads back exactly.
+//! Writes ticks to an MCAP file, which other programs open unaided and a replay reads back exactly.
 //!
-//! In: [`Tick`]s. Out: the view as `foxglove.*` messages (`/tf`, `/scene`, `/joint_states`, `/log`) and, beside it, the
-//! lossless `/twin/tick` and `/twin/measurement`. One thread writes; every half second a chunk is closed and flushed, so a
-//! killed run can be read to its last chunk. Log time is simulated time.
+//! In: [`Tick`]s. Out: the views as `foxglove.*` messages (`/tf`, `/scene`, `/joint_states`, `/log`), and the lossless `/twin/tick`
+//! and `/twin/measurement`. One thread writes. Every half second it closes and flushes a chunk, so the file of a killed run can be
+//! read to its last chunk. Log time is simulated time.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -18,18 +18,18 @@ use twin_core::tick::Tick;
 /// Ticks that may wait for the disk: 5 s of flight.
 const QUEUE_TICKS: usize = 500;
 
-/// A chunk is closed after this wall-clock time …
+/// Wall-clock time after which a chunk is closed …
 const CHUNK_WALL: Duration = Duration::from_millis(500);
 
-/// … and after this many ticks, whichever comes first.
+/// … and the number of ticks after which it is closed, whichever comes first.
 const CHUNK_TICKS: u32 = 100;
 
-/// What was written.
+/// Count of the ticks that were written and dropped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Written {
     /// Ticks in the file.
     pub ticks: u64,
-    /// Ticks that [`Recorder::offer`] could not place.
+    /// Ticks that [`Recorder::offer`] dropped because the queue was full.
     pub dropped: u64,
 }
 
@@ -38,7 +38,7 @@ enum Order {
     End { end: RecordingEnd, dropped: u64 },
 }
 
-/// A file being written.
+/// A recording that is being written.
 #[derive(Debug)]
 pub struct Recorder {
     path: PathBuf,
@@ -48,7 +48,7 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// Creates the file (an existing one is replaced) and writes what is known at the start.
+    /// Creates the file (an existing one is replaced) and writes the metadata of the start.
     ///
     /// # Errors
     /// [`RecordingError::Write`] if the file cannot be created or written.
@@ -62,7 +62,7 @@ impl Recorder {
         Ok(Self { path: path.to_owned(), orders: Some(orders), thread: Some(thread), dropped: 0 })
     }
 
-    /// Records a tick and waits for the disk if it must: nothing is lost.
+    /// Records a tick. It waits for the disk if the queue is full, so no tick is lost.
     ///
     /// # Errors
     /// [`RecordingError::Write`] if the file can no longer be written.
@@ -73,7 +73,7 @@ impl Recorder {
         }
     }
 
-    /// Records a tick without waiting; `false` if the disk is too slow and the tick was dropped and counted.
+    /// Records a tick without waiting. Returns `false` if the queue was full; the tick is then dropped and counted.
     ///
     /// # Errors
     /// [`RecordingError::Write`] if the file can no longer be written.
@@ -98,10 +98,10 @@ impl Recorder {
         &self.path
     }
 
-    /// Writes what is known at the end and closes the file.
+    /// Writes the metadata of the end and closes the file.
     ///
     /// # Errors
-    /// [`RecordingError::Write`] if anything could not be written.
+    /// [`RecordingError::Write`] if a part of the file could not be written.
     pub fn finish(mut self, end: RecordingEnd) -> Result<Written, RecordingError> {
         let order = Order::End { end, dropped: self.dropped };
         let sent = self.orders.as_ref().is_some_and(|orders| orders.send(order).is_ok());
@@ -118,7 +118,7 @@ impl Recorder {
     }
 
     fn join(&mut self) -> Result<u64, RecordingError> {
-        // The writer ends when nobody can send to it any more.
+        // The writer thread ends when the last sender is gone.
         self.orders = None;
         match self.thread.take().map(JoinHandle::join) {
             Some(Ok(result)) => result,
@@ -129,7 +129,7 @@ impl Recorder {
 }
 
 impl Drop for Recorder {
-    /// Waits until what was recorded is in the file.
+    /// Waits until all recorded ticks are in the file.
     fn drop(&mut self) {
         if self.thread.is_some()
             && let Err(error) = self.join()

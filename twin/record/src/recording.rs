@@ -1,4 +1,4 @@
-//! Reading a recording back, also one that was cut off in the middle of a write.
+//! Reads a recording back, also one that was cut off in the middle of a write.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -15,22 +15,22 @@ pub const TICK_TOPIC: &str = "/twin/tick";
 /// Topic of the measurement alone.
 pub const MEASUREMENT_TOPIC: &str = "/twin/measurement";
 
-/// Name of the metadata record written at the start.
+/// Name of the metadata record that is written at the start.
 pub const METADATA_START: &str = "twin";
 
-/// Name of the metadata record written when the flight ends; absent from a run that was killed.
+/// Name of the metadata record that is written when the flight ends; a run that was killed has none.
 pub const METADATA_END: &str = "twin.end";
 
-/// Key of the metadata of a foreign flight in shadow: its unknown numbers are written as `null`.
+/// Key in the metadata of a mirrored flight. The unknown numbers of such a recording are written as `null`.
 pub const MIRRORED: &str = "mirrored";
 
-/// Longest record and chunk that is read: a hundred times what the recorder writes.
+/// Longest record and chunk that is read: a hundred times as long as the recorder's own.
 const LONGEST_RECORD_BYTES: usize = 256 << 20;
 
 /// Most topics that an error lists.
 const SHOWN_TOPICS: usize = 12;
 
-/// Why a recording could not be written or read.
+/// Errors of writing and reading a recording.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordingError {
     /// The file cannot be created or written.
@@ -38,7 +38,7 @@ pub enum RecordingError {
     Write {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The message of the operating system.
         why: String,
     },
     /// The file cannot be read.
@@ -46,10 +46,10 @@ pub enum RecordingError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the operating system.
         source: std::io::Error,
     },
-    /// The file is something else.
+    /// The file is not an MCAP file.
     #[error("{path}: not an MCAP file: it starts with {found:?}, expected the bytes {expected:?}; check the path, or convert it with the `mcap` tool", path = path.display(), expected = mcap::MAGIC.escape_ascii().to_string())]
     NotMcap {
         /// The file.
@@ -57,7 +57,7 @@ pub enum RecordingError {
         /// Its first bytes.
         found: String,
     },
-    /// The file is an MCAP of something else.
+    /// The file is an MCAP file without ticks of this program.
     #[error("{path}: no tick on {TICK_TOPIC}; topics found: {found}; only recordings of this program can be replayed exactly", path = path.display())]
     NoTicks {
         /// The file.
@@ -65,14 +65,14 @@ pub enum RecordingError {
         /// The topics it has.
         found: String,
     },
-    /// A tick has an unknown form.
+    /// A tick has a form that this version does not know.
     #[error("{path}: message {number} on {TICK_TOPIC} is not a tick of this version: {why}; read it with the version named in its metadata", path = path.display())]
     BadTick {
         /// The file.
         path: PathBuf,
         /// Number of the message on the topic, from 0.
         number: usize,
-        /// What is wrong.
+        /// The reason.
         why: String,
     },
 }
@@ -83,21 +83,21 @@ impl RecordingError {
     }
 }
 
-/// What a recording holds.
+/// The content of a recording.
 #[derive(Clone, Debug, Default)]
 pub struct Recording {
-    /// The ticks in the order they were flown.
+    /// The ticks, in the order in which they were flown.
     pub ticks: Vec<Tick>,
     /// Both metadata records in one map (`scenario`, `seed`, `gains`, `state_hash` …).
     pub metadata: BTreeMap<String, String>,
     /// Attached files by name (`vehicle.urdf`, `scenario.toml`).
     pub attachments: BTreeMap<String, Vec<u8>>,
-    /// The file is cut off or damaged: what was read, and what is missing.
+    /// For a cut-off or damaged file: how much was read, and why the rest is missing.
     pub warning: Option<String>,
 }
 
 impl Recording {
-    /// It is of a foreign flight in shadow: what is not a number is unknown.
+    /// Whether the recording is that of a mirrored flight, in which a number that is not finite is unknown.
     pub fn is_mirrored(&self) -> bool {
         self.metadata.contains_key(MIRRORED)
     }
@@ -179,7 +179,7 @@ impl Reader<'_> {
                 }
                 LinearReadEvent::Record { opcode, data } => match mcap::parse_record(opcode, data)?
                 {
-                    // What follows is an index of what was read.
+                    // The records after the end of the data index what was read already.
                     Record::DataEnd(_) => return Ok(()),
                     record => self.record(record)?,
                 },
@@ -239,7 +239,7 @@ mod tests {
     use crate::fixture;
     use crate::{Recorder, RecordingEnd, RecordingInfo};
 
-    /// More than two chunks, so that a cut leaves some of them.
+    /// More ticks than two chunks hold, so that a cut leaves at least one whole chunk.
     const TICKS: u64 = 250;
 
     fn file(name: &str) -> PathBuf {
@@ -280,7 +280,7 @@ mod tests {
         let path = file("whole.mcap");
         record(&path, &ticks);
         let read = read_recording(&path).unwrap();
-        // Equality of f64 here is bit for bit except for the sign of zero; the JSON text of both closes that gap.
+        // Equality of f64 compares all bits except for the sign of zero; the JSON text of both sides compares that, too.
         assert_eq!(read.ticks, ticks);
         assert_eq!(
             serde_json::to_string(&read.ticks).unwrap(),

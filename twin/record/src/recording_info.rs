@@ -1,4 +1,4 @@
-//! What a recording says beside its ticks: at its start and at its end.
+//! The metadata of a recording, at its start and at its end.
 
 use std::collections::BTreeMap;
 
@@ -6,39 +6,39 @@ use crate::program;
 use crate::recording::MIRRORED;
 use crate::scene::Scene;
 
-/// What a recording says about its flight.
+/// The metadata that is written at the start of a flight.
 #[derive(Clone, Debug)]
 pub struct RecordingInfo {
     /// Name of the scenario.
     pub scenario: String,
-    /// The scenario with every default and override resolved, as TOML.
+    /// The scenario as TOML, with every default and every override in it.
     pub scenario_toml: String,
     /// Seed of the run.
     pub seed: u64,
     /// Values in force at the start, as JSON.
     pub gains_json: String,
-    /// What the actuators can do, as JSON.
+    /// Limits of the actuators, as JSON.
     pub limits_json: String,
-    /// Scale, attention and arithmetic of the predictor, as JSON.
+    /// Scale, attention and arithmetic (`kernel`) of the predictor, as JSON.
     pub predictor_json: String,
-    /// Arithmetic of the predictor's network: part of what makes two flights of one seed equal.
+    /// Arithmetic of the predictor's network. Two flights of one seed are equal only if they use the same.
     pub kernel: String,
     /// The vehicle's URDF.
     pub urdf: String,
-    /// What to draw.
+    /// Bodies and shapes that viewers draw.
     pub scene: Scene,
     /// URDF names of the arm joints, `q1` first.
     pub joint_names: Vec<String>,
-    /// A foreign flight in shadow: what is not a number in its ticks is unknown, not a fault.
+    /// The flight is mirrored: a number that is not finite in its ticks is unknown, and not a fault.
     pub mirrored: bool,
 }
 
-/// What is known at the end of a flight only.
+/// The metadata that only the end of a flight gives.
 #[derive(Clone, Debug, Default)]
 pub struct RecordingEnd {
     /// Hash of the flight's final state.
     pub state_hash: u64,
-    /// Verdict with its reason, empty if the flight was cut short.
+    /// Verdict with its reason; empty if the flight was stopped early.
     pub verdict: String,
 }
 

@@ -1,4 +1,4 @@
-//! What a viewer draws: bodies with their shapes, once per flight; a tick then only moves them.
+//! The scene that a viewer draws: bodies with their shapes, once per flight. A tick then only moves the bodies.
 
 use serde::{Deserialize, Serialize};
 use ts_rs::TS;
@@ -95,8 +95,8 @@ impl Scene {
         self.bodies.iter().filter(|body| body.moving)
     }
 
-    /// Poses of the moving bodies at `tick`: the true ones; where nobody knows them, the measured pose of the vehicle's root
-    /// and `None` for all others.
+    /// Poses of the moving bodies at `tick`: the true ones. Where the truth is unknown, the vehicle's root has its measured pose and all
+    /// other bodies have `None`.
     pub fn poses_at(&self, tick: &Tick) -> Vec<Option<Pose>> {
         let known = tick.truth.as_ref().map(|truth| truth.poses.as_slice());
         self.moving()
@@ -110,7 +110,7 @@ impl Scene {
     }
 }
 
-/// World pose of the vehicle's root at the coordinates `chi`, m.
+/// `world_from_body` of the vehicle's root at the coordinates `chi`, m.
 pub fn base_pose(chi: &twin_core::notation::Coords) -> Pose {
     let rotation = nalgebra::UnitQuaternion::from_euler_angles(chi[3], chi[4], chi[5]);
     Pose {
@@ -124,7 +124,7 @@ mod tests {
     use super::*;
     use twin_core::notation::{Coords, world_from_body};
 
-    /// A quaternion and a matrix of the same angles differ by a handful of roundings.
+    /// A quaternion and a matrix of the same angles differ by a few roundings.
     const ROUNDING: f64 = 1e-12;
 
     #[test]

@@ -1,4 +1,4 @@
-//! The layout of a recording: channels, schemas, attachments and metadata, in the order they are written.
+//! The layout of a recording: channels, schemas, attachments and metadata, in the order in which they are written.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -18,13 +18,13 @@ use crate::scene::Scene;
 use crate::views;
 use twin_core::tick::Tick;
 
-/// Bodies are drawn anew every so many ticks, so that a viewer that jumps into the file shows them within a second.
+/// Period in ticks at which all bodies are drawn again, so that a viewer that seeks shows them within a second.
 const BODIES_PERIOD_TICKS: u64 = 100;
 
-/// Contact arrows are drawn every so many ticks.
+/// Period in ticks at which contact arrows are drawn.
 const CONTACTS_PERIOD_TICKS: u64 = 5;
 
-/// JSON schema of the two lossless channels: their fields are those of the records in `tick.rs`.
+/// JSON schema of the two lossless channels. Their fields are those of the records in `tick.rs`.
 const ANY_OBJECT: &str = r#"{"type":"object","additionalProperties":true}"#;
 
 struct Channels {
@@ -36,7 +36,7 @@ struct Channels {
     measurement: u16,
 }
 
-/// The open file.
+/// The MCAP file that is open for writing.
 pub(super) struct TrackWriter {
     path: PathBuf,
     file: Writer<BufWriter<File>>,

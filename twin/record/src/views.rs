@@ -11,13 +11,13 @@ use crate::scene::{Scene, SceneBody, ShapeInfo};
 use twin_core::tick::{self, Contact, EventKind, Tick};
 use twin_plant::model::Shape;
 
-/// The frame all others hang under.
+/// The frame that is the root of all frames.
 const WORLD: &str = "world";
 
 /// Length of a contact arrow, m/N.
 const ARROW_M_PER_N: f64 = 0.02;
 
-/// Contacts weaker than this are not drawn, N.
+/// Weakest contact that is drawn, N.
 const SMALLEST_ARROW_N: f64 = 0.01;
 
 /// World-from-body transforms of the moving bodies at `tick`.
@@ -25,7 +25,7 @@ pub(super) fn transforms(scene: &Scene, tick: &Tick) -> FrameTransforms {
     transforms_at(scene, tick.measurement.t_s, scene.poses_at(tick))
 }
 
-/// World-from-body transforms of the moving bodies at these poses, in scene order; `None` is unknown and left out.
+/// World-from-body transforms of the moving bodies at `poses`, in the order of the scene; a body whose pose is `None` is left out.
 pub fn transforms_at(
     scene: &Scene,
     t_s: f64,
@@ -49,7 +49,7 @@ pub fn transforms_at(
     FrameTransforms { transforms }
 }
 
-/// Arm joints with their measured angles and rates and the torque asked of them.
+/// Arm joints with their measured angles and rates, and the torques that were commanded.
 pub(super) fn joint_states(names: &[String], tick: &Tick) -> JointStates {
     let joints = [0, 1].map(|index| Joint {
         position_rad: Some(tick.measurement.chi[6 + index]).filter(|v| v.is_finite()),
@@ -59,18 +59,18 @@ pub(super) fn joint_states(names: &[String], tick: &Tick) -> JointStates {
     joint_states_at(names, tick.measurement.t_s, joints)
 }
 
-/// What is told of an arm joint; `None` is unknown.
+/// State of an arm joint; `None` is unknown.
 #[derive(Clone, Copy, Debug)]
 pub struct Joint {
     /// Measured angle, rad.
     pub position_rad: Option<f64>,
     /// Measured rate, rad/s.
     pub velocity_rad_s: Option<f64>,
-    /// Torque asked of it, N m.
+    /// Commanded torque, N m.
     pub torque_n_m: Option<f64>,
 }
 
-/// Arm joints as they are told.
+/// A message of the state of the arm joints at `t_s`.
 pub fn joint_states_at(names: &[String], t_s: f64, joints: [Joint; 2]) -> JointStates {
     let joints = names
         .iter()
@@ -86,12 +86,12 @@ pub fn joint_states_at(names: &[String], t_s: f64, joints: [Joint; 2]) -> JointS
     JointStates { timestamp: Some(timestamp(t_s)), joints }
 }
 
-/// Every body of the scene: moving ones in their own frame, the others in the world.
+/// Every body of the scene: a moving body in its own frame, the others in the world.
 pub(super) fn bodies(scene: &Scene, tick: &Tick) -> SceneUpdate {
     bodies_at(scene, tick.measurement.t_s)
 }
 
-/// The same at a time, s.
+/// Every body of the scene at the time `t_s`: a moving body in its own frame, the others in the world.
 pub fn bodies_at(scene: &Scene, t_s: f64) -> SceneUpdate {
     SceneUpdate {
         deletions: Vec::new(),
@@ -99,13 +99,13 @@ pub fn bodies_at(scene: &Scene, t_s: f64) -> SceneUpdate {
     }
 }
 
-/// Contact forces as arrows; an empty list removes the arrows of before.
+/// Contact forces as arrows; the message without contacts removes the arrows that were drawn before.
 pub(super) fn contacts(tick: &Tick) -> SceneUpdate {
     let contacts = tick.truth.as_ref().map_or(&[][..], |truth| &truth.contacts);
     contacts_at(tick.measurement.t_s, contacts.iter().copied())
 }
 
-/// These contact forces as arrows.
+/// Contact forces as arrows at the time `t_s`.
 pub fn contacts_at(t_s: f64, contacts: impl Iterator<Item = Contact>) -> SceneUpdate {
     let entity = SceneEntity {
         timestamp: Some(timestamp(t_s)),
@@ -202,7 +202,7 @@ fn arrow(contact: &Contact) -> Option<ArrowPrimitive> {
     if !size_n.is_finite() || size_n < SMALLEST_ARROW_N {
         return None;
     }
-    // Arrows point along +x; the rotation between opposite vectors is not unique, so half a turn about z is as good as any.
+    // An arrow points along +x. The rotation between opposite vectors is not unique, so any half turn will do; this one is about z.
     let turn =
         UnitQuaternion::rotation_between(&nalgebra::Vector3::x(), &force).unwrap_or_else(|| {
             UnitQuaternion::from_axis_angle(&nalgebra::Vector3::z_axis(), std::f64::consts::PI)
@@ -271,7 +271,7 @@ fn timestamp(t_s: f64) -> Timestamp {
 mod tests {
     use super::*;
 
-    /// Two rotations and a sum of numbers of about one: a thousand roundings.
+    /// Two rotations and a sum of numbers near one give far less than a thousand roundings.
     const ROUNDING: f64 = 1e-12;
 
     #[test]

@@ -1,6 +1,6 @@
-//! The ablation table: how well the network predicts without one of its parts, on flights the paper names: scenario B, 500 g, 1 m/s.
+//! The ablation table: the accuracy of the network without one of its parts, on the paper's flights: scenario B, 500 g, 1 m/s.
 //!
-//! One flight per seed is flown with the full model; all variants are replayed on its ticks from lift-off to touchdown, a priori.
+//! One flight per seed is flown with the full model. All variants are replayed on its ticks from lift-off to touchdown, a priori.
 
 use std::path::{Path, PathBuf};
 
@@ -16,7 +16,7 @@ use twin_core::residual::HORIZON;
 use twin_core::residual::weights::Weights;
 use twin_scenario::{Report, Scenario, fly};
 
-/// A variant: name, RMSE of the paper.
+/// The variants: name, and RMSE of the paper.
 pub const VARIANTS: [(&str, f64); 5] = [
     ("full", 0.283),
     ("without_lra", 0.37),
@@ -25,29 +25,29 @@ pub const VARIANTS: [(&str, f64); 5] = [
     ("without_long_memory", 0.782),
 ];
 
-/// A line.
+/// A line of the table.
 #[derive(Clone, Debug, Serialize)]
 pub struct Variant {
-    /// Which part is missing.
+    /// Name of the missing part.
     pub name: String,
-    /// Weights.
+    /// File of weights.
     pub weights: PathBuf,
-    /// z-scored a-priori RMSE at `j = 0`, root of the mean over the seeds' squares.
+    /// z-scored a-priori RMSE at `j = 0`: root of the mean of the squares over the seeds.
     pub rmse_z: f64,
-    /// The same at every horizon.
+    /// z-scored a-priori RMSE at every horizon.
     pub rmse_z_by_horizon: Vec<f64>,
     /// R², mean over the seeds.
     pub r2: f64,
-    /// Change against the full model, %.
+    /// Change of the RMSE against the full model, %.
     pub delta_percent: f64,
     /// RMSE of the paper, and its change in %.
     pub paper: [f64; 2],
 }
 
-/// Flies `scenario` and keeps what a predictor sees; ticks without the payload in hand are not scored.
+/// Flies `scenario` and collects the inputs of a predictor. Ticks without the payload in the gripper are not scored.
 ///
 /// # Errors
-/// [`EvaluateError`] if it cannot be built.
+/// [`EvaluateError`] if the flight cannot be built.
 pub fn flown(scenario: &Scenario) -> Result<(Series, Report), EvaluateError> {
     let mut samples = Vec::new();
     let report = fly(scenario, &mut |tick| {
@@ -65,7 +65,7 @@ pub fn flown(scenario: &Scenario) -> Result<(Series, Report), EvaluateError> {
     Ok((series, report))
 }
 
-/// The statistics that weights bring.
+/// The statistics of the training data that a file of weights holds.
 pub fn statistics(weights: &Weights) -> Statistics {
     let n = &weights.head.normalisation;
     Statistics {
@@ -76,10 +76,10 @@ pub fn statistics(weights: &Weights) -> Statistics {
     }
 }
 
-/// Replays the variant `name` of `weights` over all `flights`: RMSE at every horizon, and R² at `j = 0`.
+/// Replays the variant `name` with `weights` over all `flights`. Returns the RMSE at every horizon, and R² at `j = 0`.
 ///
 /// # Errors
-/// [`EvaluateError`] if the weights are not usable.
+/// [`EvaluateError`] if the weights cannot be used.
 pub fn measure(
     name: &str,
     (weights, file): (&Weights, &Path),
@@ -106,7 +106,7 @@ pub fn measure(
     Ok((squares.into_iter().map(|sum| (sum / n).sqrt()).collect(), r2 / n))
 }
 
-/// The table as cells.
+/// The table as plain cells.
 pub fn sheet(rows: &[Variant]) -> Sheet {
     let horizons = (0..=HORIZON).map(|j| format!("RMSE z, j = {j}"));
     let head = ["variant", "R²", "Δ %", "paper RMSE", "paper Δ %"].map(str::to_owned);
@@ -120,7 +120,7 @@ pub fn sheet(rows: &[Variant]) -> Sheet {
     sheet
 }
 
-/// Error over the horizon.
+/// A picture of the error over the horizon.
 pub fn over_horizon(rows: &[Variant]) -> Picture {
     let curve = |row: &Variant| horizon_curve(&row.name, row.rmse_z_by_horizon.iter().copied());
     Picture::over_horizon("RMSE, z-scored, a priori", rows.iter().map(curve))

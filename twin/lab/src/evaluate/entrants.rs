@@ -1,4 +1,4 @@
-//! Who is compared: by name, the predictor and its adapter as the scenario's flight would have them, or from a file of weights.
+//! The entrants of the prediction table: a predictor with its adapter, by name as a scenario would configure it, or from weights.
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,7 @@ use twin_core::residual::weights::{Weights, WeightsError};
 use twin_core::tuning::Tuning;
 use twin_scenario::Scenario;
 
-/// A row that needs nothing but its name: name, label, `predictor.kind`, adapter on.
+/// Entrants without weights: name, label, `predictor.kind`, whether the adapter is on.
 const UNTRAINED: [(&str, &str, &str, bool); 5] = [
     ("persistence", "persistence r_{t-1} (TDC)", "persistence", false),
     ("gravity", "gravity of the empty vehicle", "gravity", false),
@@ -21,7 +21,7 @@ const UNTRAINED: [(&str, &str, &str, bool); 5] = [
     ("zero", "zero", "none", false),
 ];
 
-/// Rows that a file of weights gives: model, row, label, adapter on, RMSE, R² and ms of the paper.
+/// Entrants with weights: model, name, label, whether the adapter is on, and RMSE, R² and ms of the paper.
 const TRAINED: [(&str, &str, &str, bool, Paper); 9] = [
     ("sindy", "sindy", "SINDy (SysID)", false, Some([1.363, 0.207, 0.01])),
     ("gp", "gp", "GP", false, Some([0.84, 0.493, 17.20])),
@@ -37,36 +37,36 @@ const TRAINED: [(&str, &str, &str, bool, Paper); 9] = [
 /// RMSE, R² and inference in ms of `tab:prediction_results`.
 pub type Paper = Option<[f64; 3]>;
 
-/// The rows of the paper that `rows` do not fill, in its order: label and figures.
+/// The lines of the paper's table that `rows` do not contain, in its order: label and figures.
 pub fn unfilled(rows: &[String]) -> Vec<(&'static str, [f64; 3])> {
     let missing = TRAINED.iter().filter(|(_, row, ..)| !rows.iter().any(|filled| filled == row));
     missing.filter_map(|(_, _, label, _, paper)| Some((*label, (*paper)?))).collect()
 }
 
-/// A row to fill.
+/// An entrant before its replay.
 pub struct Candidate {
-    /// Name for `--models` and JSON.
+    /// Name for `--models` and for JSON.
     pub name: String,
-    /// For people.
+    /// Label that people read.
     pub label: String,
-    /// Numbers that were learned; `None` for what learned nothing.
+    /// Number of learned parameters; `None` if nothing was learned.
     pub parameters: Option<usize>,
-    /// Hash of the data it was trained on, as its file says.
+    /// Hash of the training data, from the file of weights.
     pub trained_on: Option<String>,
     /// The file of weights.
     pub weights: Option<PathBuf>,
-    /// What the paper gives.
+    /// Figures of the paper.
     pub paper: Paper,
-    /// What is replayed.
+    /// The predictor with its adapter.
     pub entrant: Entrant,
 }
 
-/// Names of the rows without weights.
+/// Names of the entrants without weights.
 pub fn untrained_names() -> Vec<&'static str> {
     UNTRAINED.iter().map(|(name, ..)| *name).collect()
 }
 
-/// The row `name` of those that need no weights, for the vehicle of `scenario` with some keys set otherwise.
+/// The entrant without weights called `name`, for the vehicle of `scenario` with `overrides` of its keys.
 ///
 /// # Errors
 /// [`EvaluateError`] for an unknown name or a vehicle that cannot be built.
@@ -100,10 +100,10 @@ pub fn untrained(
     })
 }
 
-/// The rows of the weights in `file`, adapted as `tuning` says.
+/// The entrants of the weights in `file`; `tuning` sets their adapter.
 ///
 /// # Errors
-/// [`EvaluateError`] if they are of a model that has no forward pass here, or not usable.
+/// [`EvaluateError`] if the model has no forward pass here, or the weights cannot be used.
 pub fn trained(
     weights: &Weights,
     file: &Path,

@@ -1,4 +1,4 @@
-//! Fits the baselines that need no network on recordings, and writes them as files of weights.
+//! Fits the baselines without a network to recordings, and writes them as files of weights.
 
 use serde_json::json;
 
@@ -10,17 +10,17 @@ use twin_core::residual::weights::{
     Acceptance, FORMAT, Head, Normalisation, Tensor, Training, Weights, channel_names, output_names,
 };
 
-/// Channels that say where the vehicle is, not what pushes it.
+/// Channels that give the position and heading of the vehicle, on which the residual does not depend.
 const MASKED: [&str; 3] = ["chi.x", "chi.y", "chi.psi"];
 
-/// Ticks between two samples of the least squares: neighbours are nearly equal.
+/// Ticks between two samples of the least squares, because neighbours are nearly equal.
 const STRIDE: usize = 4;
 
-/// Samples of the Gaussian process, and of those how many choose its kernel.
+/// Samples of the Gaussian process, and the number of those that choose its kernel.
 pub const GP_SAMPLES: usize = 1000;
 const GP_FEW: usize = 400;
 
-/// Which baseline.
+/// A baseline without a network.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Baseline {
     /// [`sindy`].
@@ -29,7 +29,7 @@ pub enum Baseline {
     Gp,
 }
 
-/// Fits `baseline` on `flights`; `None` if it cannot be solved (there is nothing to fit).
+/// Fits `baseline` to `flights`. Returns `None` if the least squares cannot be solved.
 pub fn fit(baseline: Baseline, flights: &[Series], data_hash: &str) -> Option<Weights> {
     let statistics = Statistics::of(flights);
     let mut head = head(flights, &statistics, data_hash)?;
@@ -46,7 +46,7 @@ pub fn fit(baseline: Baseline, flights: &[Series], data_hash: &str) -> Option<We
             let ticks: usize = flights.iter().map(|flight| flight.samples.len()).sum();
             let stride = (ticks / GP_SAMPLES).max(1);
             let (x, y) = samples(flights, &standard, &statistics, stride);
-            // Every k-th for the kernel: neighbours in time tell little about lengths.
+            // Every k-th sample chooses the kernel, because neighbours in time say little about its length scales.
             let order = spread(x.len());
             let pick =
                 |from: &[Vec<f64>]| order.iter().map(|i| from[*i].clone()).collect::<Vec<_>>();
@@ -62,13 +62,13 @@ pub fn fit(baseline: Baseline, flights: &[Series], data_hash: &str) -> Option<We
     Some(Weights { head, tensors })
 }
 
-/// Indices of `n` samples, taken in strides that visit all: the first few are spread over the whole.
+/// The indices `0..n` in an order whose first entries already spread over the whole range.
 fn spread(n: usize) -> Vec<usize> {
     const STEP: usize = 7;
     (0..STEP).flat_map(|first| (first..n).step_by(STEP)).collect()
 }
 
-/// z-scored inputs and targets of every `stride`-th tick whose whole horizon may be learned.
+/// z-scored inputs and targets at every `stride`-th tick for which the whole horizon is usable.
 fn samples(
     flights: &[Series],
     standard: &Standard,

@@ -1,6 +1,6 @@
-//! The paper's tables, measured on the twin: how well residuals are predicted, how well flights are tracked.
+//! The paper's tables, measured on the twin: prediction of the residual, and tracking of flights.
 //!
-//! In: recordings and scenarios. Out: tables as plain values, pictures, pages. No printing: that is `cli`.
+//! In: recordings and scenarios. Out: tables as plain values, pictures, pages. This module prints nothing; `cli` does.
 
 pub mod series;
 pub mod score;

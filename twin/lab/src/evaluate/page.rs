@@ -1,4 +1,4 @@
-//! The prediction table as one page that opens offline: figures, pictures, and what they were made from.
+//! The prediction table as one page that opens offline: figures, pictures, and the sources of both.
 
 use std::fmt::Write;
 
@@ -14,15 +14,15 @@ table{min-width:100%;display:block;overflow-x:auto}th,td{text-align:right}th:fir
 code,.from{font:12px/1.4 ui-monospace,monospace;color:var(--muted);overflow-wrap:anywhere}svg{margin:6px 0}
 ";
 
-/// Rows of the residual that are drawn over time, and the window, s.
+/// Coordinates of the residual that are drawn over time, and the window of time, s.
 const DRAWN: [usize; 3] = [0, 2, 4];
 const FROM_S: f64 = 60.0;
 const WINDOW_S: f64 = 8.0;
 
-/// Most entrants drawn over time: more cannot be told apart.
+/// Most entrants that are drawn over time; more curves cannot be distinguished.
 const MOST_TRACES: usize = 4;
 
-/// The page of `table`, which was made of `series`.
+/// The page of `table`, with pictures of `series`.
 pub fn prediction_page(table: &PredictionTable, series: &Series) -> String {
     let mut body = "<h1>Residual prediction, a priori</h1>".to_owned();
     figures(&mut body, table);
@@ -47,7 +47,7 @@ pub fn prediction_page(table: &PredictionTable, series: &Series) -> String {
     markup::page("twin evaluate prediction", STYLE, &body)
 }
 
-/// A page around `body`, which is markup, with the command that makes it again.
+/// A page with the HTML `body`, and the command that makes the page again.
 pub fn pictures_page(title: &str, body: &str, command: &str) -> String {
     let (head, command) = (escaped(title), escaped(command));
     markup::page(title, STYLE, &format!("<h1>{head}</h1>{body}<p class=\"from\">{command}</p>"))
@@ -96,9 +96,9 @@ fn over_horizon(rows: &[Row]) -> Picture {
         measured: row.name == "persistence",
         ..horizon_curve(&row.label, row.replayed.horizons.iter().map(|h| h.rmse_z))
     };
-    // Above this the others could not be told apart.
+    // With a larger range of the axis, the curves below 1 could not be distinguished.
     let best = |row: &&Row| row.replayed.horizons[0].rmse_z < 1.0;
-    let title = "RMSE, z-scored, of what scores below 1";
+    let title = "RMSE, z-scored, of the predictors below 1";
     Picture::over_horizon(title, rows.iter().filter(best).map(curve))
 }
 

@@ -1,4 +1,4 @@
-//! Pictures as SVG: curves over time or over the horizon, each with a legend.
+//! Pictures as SVG: curves over time or over the horizon, with a legend.
 
 use plotters::prelude::*;
 
@@ -7,32 +7,32 @@ use twin_scenario::plot::{self, Area, COLOURS, DrawingError};
 /// Width and height of a picture, px.
 const SIZE_PX: (u32, u32) = (860, 300);
 
-/// The same of a map.
+/// Width and height of a map, px.
 const MAP_PX: (u32, u32) = (640, 420);
 
-/// What margins, title and labels of the axes take of width and height, px.
+/// Width and height that margins, title and labels of the axes take, px.
 const SIDES_PX: (u32, u32) = (74 + LEGEND_PX.0, 84);
 
-/// Width kept free for the legend, right of the curves where it covers none, and the height of its lines, px.
+/// Width of the legend, which stands right of the curves, and height of its lines, px.
 const LEGEND_PX: (u32, i32) = (170, 18);
 
-/// Margin above and below the curves, as a part of their range.
+/// Margin above and below the curves, as a share of their range.
 const MARGIN: f64 = 0.05;
 
 /// Smallest range of an axis, in its unit.
 const LEAST_RANGE: f64 = 1e-9;
 
-/// Dashes and gaps of a mark.
+/// Number of dashes of a mark's line.
 const DASHES: u32 = 40;
 
 /// A curve.
 #[derive(Clone, Debug)]
 pub struct Curve {
-    /// Its name in the legend.
+    /// Name in the legend.
     pub name: String,
-    /// Points.
+    /// Points in the units of the axes.
     pub points: Vec<(f64, f64)>,
-    /// Drawn black and first: what was measured.
+    /// Whether the curve is a measurement, which is drawn first and in black.
     pub measured: bool,
 }
 
@@ -42,10 +42,10 @@ pub fn horizon_curve(name: &str, errors: impl Iterator<Item = f64>) -> Curve {
     Curve { name: name.to_owned(), points, measured: false }
 }
 
-/// A picture of curves and of moments marked by a dashed line with their name.
+/// A picture of curves, and of marks: dashed lines with a name at a point of the first axis.
 #[derive(Clone, Debug, Default)]
 pub struct Picture {
-    /// Above it.
+    /// Title.
     pub title: String,
     /// Name and unit of the first axis.
     pub x: String,
@@ -53,14 +53,14 @@ pub struct Picture {
     pub y: String,
     /// Curves.
     pub curves: Vec<Curve>,
-    /// Moments.
+    /// Marks: position on the first axis, and name.
     pub marks: Vec<(f64, String)>,
-    /// Both axes in one scale, as on a map.
+    /// Whether both axes have the same scale, as on a map.
     pub map: bool,
 }
 
 impl Picture {
-    /// As SVG; empty if there is nothing to draw.
+    /// The picture as SVG; empty if there are no points.
     pub fn svg(&self) -> String {
         stacked(std::slice::from_ref(self))
     }
@@ -126,7 +126,7 @@ impl Picture {
     }
 }
 
-/// One SVG of these pictures below each other; empty if there is nothing to draw.
+/// The pictures below each other as one SVG; empty if there are no points.
 pub fn stacked(pictures: &[Picture]) -> String {
     let mut text = String::new();
     match draw_all(&mut text, pictures) {
@@ -148,7 +148,7 @@ fn draw_all(text: &mut String, pictures: &[Picture]) -> Result<(), DrawingError>
     Ok(())
 }
 
-/// A range of `size` with the same middle.
+/// A range of length `size` with the same middle.
 fn about(range: &std::ops::Range<f64>, size: f64) -> std::ops::Range<f64> {
     let middle = f64::midpoint(range.start, range.end);
     middle - size / 2.0..middle + size / 2.0

@@ -1,4 +1,4 @@
-//! The prediction table: every entrant over one recording, errors by horizon beside the paper's.
+//! The prediction table: every entrant over one recording, with its errors by horizon and the figures of the paper.
 
 use std::path::PathBuf;
 
@@ -12,27 +12,27 @@ use super::sheet::{Sheet, figure};
 use twin_core::elementary::squared;
 use twin_core::residual::HORIZON;
 
-/// One line.
+/// A line of the table.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
-    /// Name for machines.
+    /// Name for `--models` and for JSON.
     pub name: String,
-    /// Name for people.
+    /// Label that people read.
     pub label: String,
-    /// Numbers that were learned.
+    /// Number of learned parameters; `None` if nothing was learned.
     pub parameters: Option<usize>,
-    /// Hash of the data that the weights say they were trained on.
+    /// Hash of the training data, from the file of weights.
     pub trained_on: Option<String>,
     /// File of weights.
     pub weights: Option<PathBuf>,
-    /// RMSE, R², ms of the paper.
+    /// RMSE, R² and ms of the paper.
     pub paper: Paper,
-    /// What was found.
+    /// Result of the replay.
     #[serde(flatten)]
     pub replayed: Replayed,
 }
 
-/// A figure of a row as page and terminal show it.
+/// A figure of a line, as the page and the terminal show it.
 pub struct Column {
     /// Its name on the page.
     pub name: &'static str,
@@ -55,7 +55,7 @@ impl Column {
     }
 }
 
-/// The figures of a row in order; the sheet holds those of every horizon.
+/// The figures of a line, in order. The sheet holds the figures of every horizon.
 pub const COLUMNS: [Column; 10] = [
     Column::new("RMSE z", "RMSE z", 3, |r| r.horizons[0].rmse_z),
     Column::new("R²", "R²", 3, |r| r.horizons[0].r2),
@@ -72,7 +72,7 @@ pub const COLUMNS: [Column; 10] = [
 /// A figure of one horizon, with its name in the sheet.
 type Measure = (&'static str, fn(&Horizon) -> f64);
 
-/// The figures that the sheet holds of every horizon.
+/// The figures that the sheet holds for every horizon.
 const MEASURES: [Measure; 4] = [
     ("RMSE z", |h| h.rmse_z),
     ("R²", |h| h.r2),
@@ -80,12 +80,12 @@ const MEASURES: [Measure; 4] = [
     ("RMSE N m", |h| h.rmse_n_m),
 ];
 
-/// A model that was trained with several seeds: mean and standard deviation (n - 1) over them.
+/// A model that was trained with several seeds: mean and standard deviation (n - 1) over the trainings.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Spread {
-    /// Name of its rows.
+    /// Name of its lines.
     pub name: String,
-    /// Trainings.
+    /// Number of trainings.
     pub trainings: usize,
     /// z-scored RMSE at `j = 0`.
     pub rmse_z: [f64; 2],
@@ -95,7 +95,7 @@ pub struct Spread {
     pub rmse_z_last: [f64; 2],
 }
 
-/// Of every model of one size that stands over more than one row, in their order.
+/// The spread of every model and size that has more than one line, in the order of the lines.
 pub fn spreads(rows: &[Row]) -> Vec<Spread> {
     let kind = |row: &Row| (row.name.clone(), row.parameters);
     let mut kinds = Vec::new();
@@ -124,7 +124,7 @@ pub fn spreads(rows: &[Row]) -> Vec<Spread> {
     kinds.into_iter().filter_map(of).collect()
 }
 
-/// The table with what it was made from.
+/// The table, with the sources that it was made from.
 #[derive(Clone, Debug, Serialize)]
 pub struct PredictionTable {
     /// Always `prediction`.
@@ -137,20 +137,20 @@ pub struct PredictionTable {
     pub recording_sha256: String,
     /// Seed of the recorded flight.
     pub seed: String,
-    /// The recordings whose statistics z-score everything.
+    /// The training recordings; their statistics z-score all figures.
     pub training: Vec<PathBuf>,
-    /// Their hash.
+    /// Hash of the training recordings.
     pub data_hash: String,
-    /// Mean and standard deviation of inputs and residual over them.
+    /// Mean and standard deviation of inputs and residual over the training recordings.
     pub statistics: Statistics,
     /// The lines.
     pub rows: Vec<Row>,
-    /// Mean and deviation over trainings with several seeds.
+    /// Mean and standard deviation over trainings with several seeds.
     pub spreads: Vec<Spread>,
 }
 
 impl PredictionTable {
-    /// The table as cells, every horizon in it.
+    /// The table as plain cells, with every horizon.
     pub fn sheet(&self) -> Sheet {
         let head = ["row", "label", "parameters", "weights", "trained on"];
         let horizons = MEASURES
@@ -185,8 +185,8 @@ impl Row {
     }
 }
 
-/// Replays `series` through the candidates, one after the other, so that their times can be compared; `done` is told the name of
-/// each as it ends.
+/// Replays `series` through the candidates, one after the other, so that their times can be compared. `done` gets the name of each
+/// when it ends.
 pub fn rows(
     candidates: Vec<Candidate>,
     series: &Series,
@@ -243,7 +243,7 @@ mod tests {
         let found = spreads(&[row(10, 0.1), row(99, 0.9), row(10, 0.3)]);
         assert_eq!(found.len(), 1, "{found:?}");
         assert_eq!(found[0].trainings, 2);
-        // Mean and n - 1 deviation of 0.1 and 0.3, within rounding.
+        // Mean and standard deviation (n - 1) of 0.1 and 0.3, within rounding.
         let [mean, deviation] = found[0].rmse_z;
         assert!((mean - 0.2).abs() < 1e-12 && (deviation - 0.02_f64.sqrt()).abs() < 1e-12);
     }

@@ -1,7 +1,7 @@
-//! How far forecasts are from what came: RMSE and R² by horizon, in standard deviations of the training data and in N and N m.
+//! Scores of forecasts: RMSE and R² by horizon, in standard deviations of the training data and in N and N m.
 //!
-//! RMSE = √(mean over channels and time of the squared z-scored error). R² = mean over channels of `1 - Σ(r - r̂)² / Σ(r - mean
-//! r)²`, the mean over the scored ticks themselves.
+//! RMSE = √(mean over coordinates and time of the squared z-scored error). R² = mean over coordinates of
+//! `1 - Σ(r - r̂)² / Σ(r - mean r)²`, with the mean over the scored ticks.
 
 use std::collections::VecDeque;
 
@@ -16,17 +16,17 @@ use twin_core::residual::HORIZON;
 pub struct Horizon {
     /// Ticks ahead.
     pub j: usize,
-    /// Root mean square error over channels and time, z-scored.
+    /// Root mean square error over coordinates and time, z-scored.
     pub rmse_z: f64,
-    /// Coefficient of determination, mean over channels.
+    /// Coefficient of determination, mean over coordinates.
     pub r2: f64,
-    /// Root mean square error over the rows x y z, N.
+    /// Root mean square error over the coordinates x y z, N.
     pub rmse_n: f64,
-    /// Root mean square error over the other rows, N m.
+    /// Root mean square error over the other coordinates, N m.
     pub rmse_n_m: f64,
-    /// Root mean square error of each row, N and N m.
+    /// Root mean square error of each coordinate, N and N m.
     pub rmse_rows: Coords,
-    /// Forecasts scored.
+    /// Number of forecasts that were scored.
     pub samples: u64,
 }
 
@@ -38,7 +38,7 @@ struct Sums {
     square: Coords,
 }
 
-/// Collects forecasts and what came of them.
+/// Collects forecasts, and compares each with the residual of its tick.
 pub struct Score {
     statistics: Statistics,
     pending: VecDeque<Vec<Coords>>,
@@ -46,7 +46,7 @@ pub struct Score {
 }
 
 impl Score {
-    /// In the units of `statistics`.
+    /// A score without forecasts; z-scores use `statistics`.
     pub fn new(statistics: &Statistics) -> Self {
         Self {
             statistics: statistics.clone(),
@@ -55,8 +55,8 @@ impl Score {
         }
     }
 
-    /// A tick: the forecast made at it for `j = 0..=k` (its last entry stands for horizons beyond), made before `residual` was
-    /// seen, and that residual. With `counts` false nothing is scored against it.
+    /// Adds a tick: its residual, and the forecast for `j = 0..=k` that was made at this tick before the residual was known. The last
+    /// entry of the forecast stands for all later horizons. If `counts` is false, no forecast is scored against this residual.
     pub fn add(&mut self, forecast: Vec<Coords>, residual: &Coords, counts: bool) {
         self.pending.push_front(forecast);
         self.pending.truncate(HORIZON + 1);
@@ -78,7 +78,7 @@ impl Score {
         }
     }
 
-    /// The table by horizon.
+    /// The scores of every horizon.
     pub fn finish(&self) -> Vec<Horizon> {
         let std = &self.statistics.output_std;
         let one = |(j, sums): (usize, &Sums)| {
@@ -119,7 +119,7 @@ mod tests {
         }
     }
 
-    /// A square wave of amplitude one standard deviation about the mean: its own spread is 1 in z.
+    /// A square wave whose amplitude is one standard deviation about the mean, so its z-scores are ±1.
     fn wave(tick: usize) -> Coords {
         let sign = if tick.is_multiple_of(2) { 1.0 } else { -1.0 };
         statistics().output_mean + statistics().output_std * sign
@@ -165,7 +165,7 @@ mod tests {
             score.add(vec![forecast], &wave(tick), true);
         }
         let now = score.finish()[0];
-        // One row is wrong by three standard deviations: sqrt(9/8), R² = (7 + (1 - 9))/8.
+        // One coordinate is wrong by three standard deviations: sqrt(9/8), R² = (7 + (1 - 9))/8.
         assert!((now.rmse_z - (9.0_f64 / 8.0).sqrt()).abs() < ROUNDING);
         assert!((now.r2 + 0.125).abs() < ROUNDING && (now.rmse_rows[4] - 1.5).abs() < ROUNDING);
     }

@@ -2,22 +2,22 @@
 
 use twin_scenario::markup::escaped;
 
-/// Head and rows; every row as long as the head.
+/// Head and lines of a table; every line is as long as the head.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sheet {
     /// Names of the columns, with their units.
     pub head: Vec<String>,
-    /// Cells. Empty: there is no such figure.
+    /// Cells of each line; an empty cell has no figure.
     pub rows: Vec<Vec<String>>,
 }
 
 impl Sheet {
-    /// With nothing under the head yet.
+    /// A table with a head and no lines.
     pub fn new<S: Into<String>>(head: impl IntoIterator<Item = S>) -> Self {
         Self { head: head.into_iter().map(Into::into).collect(), rows: Vec::new() }
     }
 
-    /// As RFC 4180 wants it, lines ended by a line feed.
+    /// The table as CSV by RFC 4180, with a line feed at the end of each line.
     pub fn csv(&self) -> String {
         let line = |cells: &Vec<String>| {
             cells.iter().map(|cell| quoted(cell)).collect::<Vec<_>>().join(",") + "\n"
@@ -25,7 +25,7 @@ impl Sheet {
         std::iter::once(&self.head).chain(&self.rows).map(line).collect()
     }
 
-    /// As a `table`.
+    /// The table as an HTML element `table`.
     pub fn html(&self) -> String {
         let row = |cells: &Vec<String>, tag: &str| {
             let cells = cells.iter().map(|cell| format!("<{tag}>{}</{tag}>", escaped(cell)));
@@ -44,7 +44,7 @@ fn quoted(cell: &str) -> String {
     }
 }
 
-/// A figure with `decimals`; empty if it is not known.
+/// The value with `decimals`; empty if it is unknown.
 pub fn figure(value: Option<f64>, decimals: usize) -> String {
     value.filter(|value| value.is_finite()).map_or_else(String::new, |v| format!("{v:.decimals$}"))
 }

@@ -1,32 +1,33 @@
-//! Adam (Kingma and Ba, 2015) over plain arrays, with the norm of the whole gradient clipped. State: both moments and the
-//! number of steps, so a training goes on exactly where it stopped.
+//! Adam (Kingma and Ba, 2015) over plain arrays; the norm of the whole gradient is clipped. State: both moments and the number of
+//! steps, so that a resumed training gives the same numbers as one that was never stopped.
 
 use super::parameters::Parameters;
 use twin_core::elementary::{cos, powi};
 
 const BETA_1: f64 = 0.9;
 const BETA_2: f64 = 0.999;
-/// Keeps the division finite; larger values change what is learned.
+/// Keeps the division finite. A larger value would change the training.
 const EPSILON: f64 = 1e-8;
 
-/// The optimiser's state.
+/// The state of the optimiser.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Adam {
-    /// Mean of the gradient.
+    /// First moment: running mean of the gradient.
     pub first: Parameters,
-    /// Mean of its square.
+    /// Second moment: running mean of its square.
     pub second: Parameters,
     /// Steps done.
     pub steps: u64,
 }
 
 impl Adam {
-    /// Before the first step.
+    /// The state before the first step.
     pub fn new(parameters: &Parameters) -> Self {
         Self { first: parameters.zeros_like(), second: parameters.zeros_like(), steps: 0 }
     }
 
-    /// One step along `gradients` (in the order of `parameters`), their norm clipped to `clip`. Returns the norm before.
+    /// Makes one step along `gradients` (in the order of `parameters`), with their norm clipped to `clip`. Returns the norm before
+    /// clipping.
     pub fn step(
         &mut self,
         parameters: &mut Parameters,
@@ -56,7 +57,8 @@ impl Adam {
     }
 }
 
-/// Learning rate at `progress` epochs of `epochs`: linear rise over `warm_up`, then half a cosine down to a hundredth.
+/// Learning rate at `progress` epochs of `epochs`: it rises linearly to `largest` over `warm_up` epochs, then falls by half a
+/// cosine to a hundredth.
 pub fn learning_rate(largest: f64, warm_up: f64, epochs: f64, progress: f64) -> f64 {
     if progress < warm_up {
         return largest * (progress / warm_up).max(1e-3);
@@ -81,7 +83,7 @@ mod tests {
             let mut w = one(1.0);
             Adam::new(&w).step(&mut w, &[vec![g]], 0.1, 1e9);
             let wanted = 1.0 - 0.1 * g.signum();
-            // f32 rounding of numbers near 1, and epsilon beside |g|.
+            // Rounding of f32 for numbers near 1, and epsilon beside |g|.
             assert!((w.0[0].values[0] - wanted).abs() < 1e-5, "{}", w.0[0].values[0]);
         }
     }
@@ -104,7 +106,7 @@ mod tests {
     fn the_rate_rises_then_falls_to_a_hundredth() {
         let at = |progress| learning_rate(1.0, 1.0, 11.0, progress);
         assert!(at(0.25) < at(0.5) && (at(1.0) - 1.0).abs() < 1e-12);
-        // Half of the cosine: the middle between 1 and 0.01.
+        // In the middle of the half cosine the rate is the mean of 1 and 0.01.
         assert!((at(6.0) - 0.505).abs() < 1e-12 && (at(11.0) - 0.01).abs() < 1e-12);
     }
 }

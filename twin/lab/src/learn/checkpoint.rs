@@ -1,7 +1,8 @@
-//! Where a training stands after an epoch: weights, the best weights so far, both moments of the optimiser, the curve.
+//! The state of a training after an epoch: weights, best weights so far, both moments of the optimiser, the curve.
 //!
-//! One safetensors file, whole or not there. Random numbers are functions of seed and epoch, so nothing of them is kept, and a
-//! training that goes on from here gives the same bits as one that was never stopped (same machine and number of threads).
+//! A checkpoint is one safetensors file, written whole or not at all. Random numbers are functions of seed and epoch, so the file
+//! holds no generator. A training that resumes from a checkpoint gives the same bits as one that was never stopped, on the same
+//! machine and with the same number of threads.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -25,11 +26,11 @@ const SETS: [&str; 4] = ["weights/", "best/", "first/", "second/"];
 /// One epoch of the curve.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EpochRecord {
-    /// From 1.
+    /// Number of the epoch, from 1.
     pub epoch: usize,
     /// Mean squared z-score over the training windows, with noise.
     pub train_loss: f64,
-    /// The same over the validation windows, without noise.
+    /// Mean squared z-score over the validation windows, without noise.
     pub validation_loss: f64,
     /// Learning rate of the last step.
     pub learning_rate: f64,
@@ -37,10 +38,10 @@ pub struct EpochRecord {
     pub wall_s: f64,
 }
 
-/// Everything but the tensors.
+/// The part of a checkpoint that is not tensors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
-    /// What is trained.
+    /// Configuration of the training.
     pub config: TrainConfig,
     /// Seed.
     pub seed: u64,
@@ -54,10 +55,10 @@ pub struct State {
     pub best_epoch: usize,
 }
 
-/// Where a training stands.
+/// A checkpoint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Checkpoint {
-    /// Everything but the tensors.
+    /// The part that is not tensors.
     pub state: State,
     /// The weights after the last epoch.
     pub weights: Parameters,
@@ -67,7 +68,7 @@ pub struct Checkpoint {
     pub adam: Adam,
 }
 
-/// `W.safetensors` has its checkpoint in `W.checkpoint`.
+/// Path of the checkpoint that belongs to the file of weights `out`: `W.checkpoint` for `W.safetensors`.
 pub fn path_for(out: &Path) -> PathBuf {
     out.with_extension("checkpoint")
 }
@@ -90,10 +91,10 @@ impl View for Raw {
 }
 
 impl Checkpoint {
-    /// Writes it over the one before.
+    /// Writes the checkpoint to `path` and replaces the one before.
     ///
     /// # Errors
-    /// [`LearnError::File`] if that fails; the one before is intact.
+    /// [`LearnError::File`] if the write fails; the checkpoint before it is then intact.
     pub fn write(&self, path: &Path) -> Result<(), LearnError> {
         let sets = [&self.weights, &self.best, &self.adam.first, &self.adam.second];
         let tensors = SETS.iter().zip(sets).flat_map(|(prefix, set)| {
@@ -110,10 +111,10 @@ impl Checkpoint {
         write_whole(path, &bytes)
     }
 
-    /// Reads one whose weights are those of `like` in name and shape.
+    /// Reads a checkpoint whose weights have the names and shapes of `like`.
     ///
     /// # Errors
-    /// [`LearnError`] if there is none, it is damaged, or of another model.
+    /// [`LearnError`] if the file is missing or damaged, or belongs to another model.
     pub fn read(path: &Path, like: &Parameters) -> Result<Self, LearnError> {
         let unusable = |why: &dyn std::fmt::Display| LearnError::read(path, why);
         let bytes = std::fs::read(path).map_err(|why| unusable(&why))?;
@@ -146,10 +147,10 @@ impl Checkpoint {
         Ok(Self { state, weights, best, adam })
     }
 
-    /// Refuses to go on with another training.
+    /// Refuses to resume a training with other settings, another seed or other data.
     ///
     /// # Errors
-    /// [`LearnError::OtherTraining`] saying what differs.
+    /// [`LearnError::OtherTraining`], which names the difference.
     pub fn check_same(
         &self,
         path: &Path,
@@ -218,7 +219,7 @@ mod tests {
         let (mut one, path) = (checkpoint(), folder("full-disk").join("w.checkpoint"));
         one.write(&path).unwrap();
         let before = std::fs::read(&path).unwrap();
-        // The place beside it leads to a device that is always full.
+        // The temporary file is a link to a device that is always full.
         if std::os::unix::fs::symlink("/dev/full", super::super::file::beside(&path)).is_err()
             || !Path::new("/dev/full").exists()
         {

@@ -1,4 +1,4 @@
-//! What is trained, and how: `small`, `paper` or a TOML file.
+//! The configuration of a training: `small`, `paper` or a TOML file.
 
 use std::path::Path;
 
@@ -10,39 +10,39 @@ use twin_core::residual::weights::ModelKind;
 const SMALL: &str = include_str!("configs/small.toml");
 const PAPER: &str = include_str!("configs/paper.toml");
 
-/// A training. Every key has a default, so a file states only what differs.
+/// A configuration. Every key has a default, so a file states only the keys that differ.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TrainConfig {
-    /// The model.
+    /// The model that is trained.
     pub model: ModelKind,
-    /// Width `d_model` (of a baseline: its hidden width).
+    /// Width `d_model`; for a baseline, its hidden width.
     pub d_model: usize,
-    /// Attention heads; divides `d_model`.
+    /// Attention heads; their number divides `d_model`.
     pub heads: usize,
     /// Hidden width of the feed-forward blocks.
     pub d_ff: usize,
     /// Width of the regime latent `g'`.
     pub d_k: usize,
-    /// Layers of the short-horizon encoder (of a baseline: its layers).
+    /// Layers of the short-horizon encoder; for a baseline, its layers.
     pub layers: usize,
     /// Ticks of the short horizon.
     pub t_short: usize,
-    /// Ticks of the long horizon (of a baseline: of its history).
+    /// Ticks of the long horizon; for a baseline, of its history.
     pub t_long: usize,
     /// Horizon `k`: forecasts `j = 0..=k`.
     pub horizon: usize,
-    /// The global token takes part.
+    /// Whether the global token takes part.
     pub global_token: bool,
-    /// The short-horizon encoder takes part.
+    /// Whether the short-horizon encoder takes part.
     pub short_horizon: bool,
-    /// The long-horizon memory takes part.
+    /// Whether the long-horizon memory takes part.
     pub long_memory: bool,
     /// Input channels that are set to zero.
     pub masked: Vec<String>,
     /// Most epochs.
     pub epochs: usize,
-    /// Windows per step.
+    /// Windows in each step of the optimiser.
     pub batch: usize,
     /// Every `stride`-th window is drawn per epoch.
     pub stride: usize,
@@ -54,10 +54,10 @@ pub struct TrainConfig {
     pub gradient_clip: f64,
     /// Epochs without improvement of the validation loss after which the training ends.
     pub patience: usize,
-    /// White noise on the applied forces, standard deviations. Against the leak from `tau_{t-1}`; flights with a multisine do
-    /// without it: closed-loop R² of `twin evaluate acceptance` is 0.983 without, 0.965 with 0.1.
+    /// Standard deviation of the white noise on the applied forces, z-scored. It weakens the leak from `tau_{t-1}`. Flights with a
+    /// multisine do without it: the closed-loop R² of `twin evaluate acceptance` is 0.983 without noise and 0.965 with 0.1.
     pub tau_noise: f32,
-    /// Part of each flight for validation, at its end.
+    /// Share of each flight, at its end, that is for validation.
     pub validation: f64,
 }
 
@@ -91,10 +91,10 @@ impl Default for TrainConfig {
 }
 
 impl TrainConfig {
-    /// `small`, `paper`, or the TOML file of that name.
+    /// The configuration `small` or `paper`, or that of the TOML file called `name`.
     ///
     /// # Errors
-    /// [`LearnError`] if the file cannot be read, or a key or value is not usable.
+    /// [`LearnError`] if the file cannot be read, or a key or value is not allowed.
     pub fn named(name: &str) -> Result<Self, LearnError> {
         match name {
             "small" => Self::parse(SMALL, name),
@@ -109,10 +109,10 @@ impl TrainConfig {
         }
     }
 
-    /// Reads a configuration from `text`; `source_name` is for errors.
+    /// Reads a configuration from `text`; errors name `source_name`.
     ///
     /// # Errors
-    /// [`LearnError::Config`] with line and key, or what is allowed.
+    /// [`LearnError::Config`] with line and key, or with the allowed values.
     pub fn parse(text: &str, source_name: &str) -> Result<Self, LearnError> {
         let refuse = |why: String| LearnError::Config { source_name: source_name.to_owned(), why };
         let config: Self = toml::from_str(text).map_err(|error| refuse(error.to_string()))?;
@@ -120,7 +120,7 @@ impl TrainConfig {
         Ok(config)
     }
 
-    /// The same for another model; its sizes are those of a baseline unless this is of that model already.
+    /// The same configuration for another model. If the model changes, the sizes become the defaults of `model`.
     #[must_use]
     pub fn of(self, model: ModelKind) -> Self {
         if self.model == model {
@@ -144,10 +144,10 @@ impl TrainConfig {
         }
     }
 
-    /// Says what is not allowed.
+    /// Checks that all values are allowed.
     ///
     /// # Errors
-    /// Key, what was found, what is allowed.
+    /// A sentence with the key, the value that was found and the values that are allowed.
     pub fn check(&self) -> Result<(), String> {
         let whole = [
             ("d_model", self.d_model, 1, 4096),

@@ -12,7 +12,7 @@ const VALIDATION: RGBColor = plot::VERMILION;
 /// The curve as SVG; `best_epoch` is marked.
 ///
 /// # Errors
-/// [`LearnError::Picture`] if there is nothing to draw, or drawing fails.
+/// [`LearnError::Picture`] if the curve has no epoch, or if drawing fails.
 pub fn svg(title: &str, curve: &[EpochRecord], best_epoch: usize) -> Result<String, LearnError> {
     if curve.is_empty() {
         return Err(LearnError::Picture("no epoch was trained".to_owned()));

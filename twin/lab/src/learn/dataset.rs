@@ -1,7 +1,7 @@
-//! Recordings as series of numbers: per flight 24 input channels and 8 residual rows, and which ticks may be learned from.
+//! Turns recordings into series: for each flight 24 input channels, 8 coordinates of the residual, and the ticks that are usable.
 //!
-//! In: recordings of this program or of real flights. Out: [`Dataset`], in physical units (m, rad, N, N m), oldest first. What
-//! a flight does not know is left out by name, so a bare quadrotor or data with forces alone gives fewer channels.
+//! In: recordings of this program or of real flights. Out: [`Dataset`] in physical units (m, rad, N, N m), oldest tick first. A
+//! channel that a flight does not know is left out by name. So a bare quadrotor, or data with forces alone, gives fewer channels.
 
 use std::path::{Path, PathBuf};
 
@@ -15,19 +15,20 @@ use twin_core::tick::{Adaptation, Tick};
 use twin_foreign::{OpenedFlight, recorded_nominal_inertia};
 use twin_record::{Recording, read_recording};
 
-/// Stems of the input channels in the order of the model: coordinates, rates, applied force of the tick before.
+/// Stems of the input channels in the order of the model: coordinates, rates, and the force that was applied in the previous tick.
 pub const STEMS: [&str; 3] = ["chi", "chi_dot", "tau"];
 
 /// One flight.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlightSeries {
-    /// The file's name.
+    /// Name of the file.
     pub name: String,
-    /// `[channels][ticks]`: `chi_t`, `chi_dot_t`, `tau_{t-1}`.
+    /// `[channels][ticks]`: `chi_t`, `chi_dot_t`, `tau_{t-1}`; m and rad, m/s and rad/s, N and N m.
     pub inputs: Vec<Vec<f32>>,
     /// `[outputs][ticks]`: residual `r_t`, N and N m.
     pub outputs: Vec<Vec<f32>>,
-    /// Per tick: its residual may be learned (not in contact, not held, not a fault, known, in the air).
+    /// For each tick, whether its residual may be learned: it is known, the vehicle is in the air and out of contact, the adapter is
+    /// not frozen, and there is no fault.
     pub usable: Vec<bool>,
 }
 
@@ -45,7 +46,7 @@ pub struct Dataset {
     pub channel_names: Vec<String>,
     /// Names of the outputs, such as `z`.
     pub output_names: Vec<String>,
-    /// Diagonal of `M_bar` that the residuals were formed with, kg and kg m², of the outputs.
+    /// Diagonal of the `M_bar` that formed the residuals, one entry for each output, kg and kg m².
     pub nominal_inertia: Vec<f64>,
     /// The flights.
     pub flights: Vec<FlightSeries>,
@@ -57,13 +58,13 @@ impl Dataset {
     /// Reads the flights in `paths`.
     ///
     /// # Errors
-    /// [`LearnError`] if one cannot be read, is cut off, holds a number that is not finite, or does not fit the others.
+    /// [`LearnError`] if a file cannot be read, is cut off, holds a number that is not finite, or does not fit the other files.
     pub fn read(paths: &[PathBuf]) -> Result<Self, LearnError> {
         let raw: Vec<Raw> = paths.iter().map(|path| read_one(path)).collect::<Result<_, _>>()?;
         Self::join(&raw)
     }
 
-    /// Keeps what every flight knows.
+    /// Keeps the channels that every flight knows.
     fn join(raw: &[Raw]) -> Result<Self, LearnError> {
         let first = raw.first().ok_or(LearnError::NoData)?;
         let names: Vec<String> =
@@ -132,12 +133,12 @@ impl Dataset {
         })
     }
 
-    /// Ticks that may be learned from.
+    /// Number of usable ticks.
     pub fn usable_ticks(&self) -> usize {
         self.flights.iter().map(|flight| flight.usable.iter().filter(|u| **u).count()).sum()
     }
 
-    /// Sha-256 over names, `M_bar` and every number, in hex: equal for equal data, whatever container it came in.
+    /// Sha-256 over names, `M_bar` and every number, in hex. Equal data give an equal hash, whatever container holds them.
     pub fn hash(&self) -> String {
         let mut hash = Sha256::new();
         for name in self.channel_names.iter().chain(&self.output_names) {
@@ -158,7 +159,7 @@ impl Dataset {
     }
 }
 
-/// As `f32`, if every one is finite.
+/// The values as `f32`; an error if one is not finite.
 fn narrow(values: &[f64], path: &Path, channel: &str) -> Result<Vec<f32>, LearnError> {
     let one = |(tick, value): (usize, &f64)| {
         let narrowed = *value as f32;
@@ -178,7 +179,7 @@ fn narrow(values: &[f64], path: &Path, channel: &str) -> Result<Vec<f32>, LearnE
 fn read_one(path: &Path) -> Result<Raw, LearnError> {
     match read_recording(path) {
         Ok(recording) => own(path, &recording),
-        // An MCAP or ULog of another program.
+        // The file is an MCAP or ULog file of another program.
         Err(error) => match OpenedFlight::open_whole(path, None) {
             Ok(opened) if !opened.is_own() => Ok(foreign::raw(&opened)),
             _ => Err(error.into()),
@@ -186,7 +187,7 @@ fn read_one(path: &Path) -> Result<Raw, LearnError> {
     }
 }
 
-/// A flight that this program recorded.
+/// Reads a flight that this program recorded.
 fn own(path: &Path, recording: &Recording) -> Result<Raw, LearnError> {
     if let Some(warning) = &recording.warning {
         return Err(LearnError::Truncated(warning.clone()));
@@ -211,7 +212,7 @@ fn own(path: &Path, recording: &Recording) -> Result<Raw, LearnError> {
     })
 }
 
-/// A contact is not a residual to learn, and neither is a tick in which the loop fell back.
+/// Whether the residual of a tick may be learned: adaptation is not frozen, as it is in contact, and the tick has no fault.
 fn usable(tick: &Tick) -> bool {
     tick.reference.adaptation == Adaptation::Free
         && !tick.reference.follows_measurement

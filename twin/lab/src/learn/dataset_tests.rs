@@ -1,4 +1,4 @@
-//! Recordings as series, against the ticks that were recorded.
+//! Recordings as series, compared with the ticks that were recorded.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -73,7 +73,7 @@ fn series_are_what_was_recorded_and_the_force_is_of_the_tick_before() {
         assert_eq!(flight.outputs[7][t].to_bits(), (now.residual[7] as f32).to_bits());
     }
     let left: Vec<usize> = (0..ticks.len()).filter(|t| !flight.usable[*t]).collect();
-    assert_eq!(left, [20, 30, 40], "held, following and faulty ticks are not learned from");
+    assert_eq!(left, [20, 30, 40], "frozen, following and faulty ticks are not learned from");
 }
 
 #[test]

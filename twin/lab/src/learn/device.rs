@@ -1,6 +1,6 @@
-//! Where a training computes: on this machine's cores, or on a graphics processor through Vulkan (Cargo feature `gpu`).
+//! The device of a training: the cores of this machine, or a graphics processor through Vulkan (Cargo feature `gpu`).
 //!
-//! One choice per process, made before the first tensor. What flies never comes here.
+//! A process chooses once, before its first tensor. A flight does not use this module.
 
 use std::sync::OnceLock;
 
@@ -19,10 +19,10 @@ pub enum DeviceKind {
 
 static CHOSEN: OnceLock<Device> = OnceLock::new();
 
-/// Takes `kind` for everything computed from now on in this process.
+/// Chooses the device for all tensors of this process.
 ///
 /// # Errors
-/// [`LearnError::Device`] if there is none of that kind, or this program was built without it, or another was chosen before.
+/// [`LearnError::Device`] if the machine has no such device, this program was built without it, or the process chose another before.
 pub fn choose(kind: DeviceKind) -> Result<(), LearnError> {
     let found = match kind {
         DeviceKind::Cpu => Device::flex(),
@@ -32,7 +32,7 @@ pub fn choose(kind: DeviceKind) -> Result<(), LearnError> {
     if CHOSEN.get_or_init(|| found.clone()) == &found { Ok(()) } else { Err(again()) }
 }
 
-/// The device for gradients (`tracked`) or for evaluation alone; the cores if none was chosen.
+/// The device for tensors with gradients (`tracked`) or without; the cores if no device was chosen.
 pub fn device(tracked: bool) -> Device {
     let chosen = CHOSEN.get_or_init(Device::flex).clone();
     if tracked { chosen.autodiff() } else { chosen }

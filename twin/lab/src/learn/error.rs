@@ -1,56 +1,56 @@
-//! What can be wrong with data, configuration and files of a training.
+//! Errors in the data, the configuration and the files of a training.
 
 use std::path::{Path, PathBuf};
 
 use twin_foreign::OpenError;
 use twin_record::RecordingError;
 
-/// Why a training cannot begin, go on or be written.
+/// The reasons why a training cannot begin, resume or be written.
 #[derive(Debug, thiserror::Error)]
 pub enum LearnError {
-    /// A recording of this program that cannot be used.
+    /// A recording of this program cannot be used.
     #[error(transparent)]
     Recording(#[from] RecordingError),
-    /// A recording of another program that cannot be used.
+    /// A recording of another program cannot be used.
     #[error(transparent)]
     Open(#[from] OpenError),
-    /// Part of a recording is missing: training on it in silence would give other weights under the same name.
+    /// A part of a recording is missing. Without an error, the training would give other weights under the same name.
     #[error("{0}; record the flight again, or cut the file cleanly")]
     Truncated(String),
-    /// There is no recording among the arguments.
+    /// No argument is a recording.
     #[error(
         "no recording given; say which flights to train on, such as `twin train flights/*.mcap`"
     )]
     NoData,
-    /// A number that is not finite.
+    /// A number is not finite.
     #[error("{path}: {channel} is {value} at tick {tick}; only finite numbers can be learned from", path = path.display())]
     NotFinite {
         /// The file.
         path: PathBuf,
         /// The channel or output.
         channel: String,
-        /// What was found.
+        /// The value.
         value: f64,
         /// The tick.
         tick: usize,
     },
-    /// `M_bar` is not in the recording's metadata.
-    #[error("{path}: the metadata names no M_bar (gains.nominal_inertia), so nobody knows what its residuals mean; record the flight again", path = path.display())]
+    /// The metadata of the recording does not hold `M_bar`.
+    #[error("{path}: the metadata does not hold M_bar (gains.nominal_inertia), which its residuals depend on; record the flight again", path = path.display())]
     NoInertia {
         /// The file.
         path: PathBuf,
     },
-    /// Recordings that cannot be learned together.
+    /// Recordings with different `M_bar` cannot be learned together.
     #[error("{path}: recorded with M_bar {found:?}, the flights before with {expected:?}; r depends on M_bar, so train on flights with one of them", path = path.display())]
     Inertia {
         /// The file.
         path: PathBuf,
-        /// Its `M_bar`.
+        /// `M_bar` of this file.
         found: Vec<f64>,
-        /// That of the first file.
+        /// `M_bar` of the first file.
         expected: Vec<f64>,
     },
-    /// Too little to learn from.
+    /// The flights are too short.
     #[error(
         "{windows} windows for training and {validation} for validation in {ticks} usable ticks; at least one each is needed: a flight must last longer than {needed_s:.1} s in the air and out of contact"
     )]
@@ -61,20 +61,20 @@ pub enum LearnError {
         validation: usize,
         /// Usable ticks.
         ticks: usize,
-        /// What a flight needs, s.
+        /// Time that a flight needs at least, s.
         needed_s: f64,
     },
-    /// No row that every flight knows.
+    /// No coordinate of the residual, or no input channel, is known in every flight.
     #[error(
-        "no residual row and input channel is known in every one of these flights; `twin info FILE` says what each holds"
+        "no coordinate of the residual, or no input channel, is known in all of these flights; `twin info FILE` lists what a flight holds"
     )]
     NothingKnown,
-    /// A configuration that cannot be used.
+    /// A configuration cannot be used.
     #[error("{source_name}: {why}")]
     Config {
         /// `small`, `paper` or the file.
         source_name: String,
-        /// Key, what was found, what is allowed.
+        /// Key, value that was found, values that are allowed.
         why: String,
     },
     /// A file cannot be read or written.
@@ -84,24 +84,24 @@ pub enum LearnError {
         path: PathBuf,
         /// `read` or `write`.
         action: &'static str,
-        /// What the system or the format said.
+        /// The message of the operating system or of the format's reader.
         why: String,
-        /// What to do.
+        /// Remedy.
         hint: &'static str,
     },
-    /// A checkpoint of another training.
+    /// A checkpoint belongs to another training.
     #[error("{path}: this checkpoint is of another training: {what} was {found}, now it is {expected}; train without --resume, or with the same data and settings", path = path.display())]
     OtherTraining {
         /// The checkpoint.
         path: PathBuf,
-        /// What differs.
+        /// Name of the setting that differs.
         what: &'static str,
-        /// In the checkpoint.
+        /// Value in the checkpoint.
         found: String,
-        /// Now.
+        /// Value now.
         expected: String,
     },
-    /// The loss is no number any more.
+    /// The loss is no longer a finite number.
     #[error(
         "the loss is {loss} in epoch {epoch}: the training has diverged; use a smaller learning_rate (now {learning_rate}). The checkpoint of the epoch before is intact"
     )]
@@ -113,22 +113,22 @@ pub enum LearnError {
         /// The learning rate.
         learning_rate: f64,
     },
-    /// The device that `--device` asks for.
+    /// The device that `--device` asks for cannot be used.
     #[error("--device: {0}")]
     Device(String),
-    /// The picture of the learning curve.
+    /// The picture of the learning curve cannot be drawn.
     #[error("the learning curve cannot be drawn: {0}")]
     Picture(String),
 }
 
 impl LearnError {
-    /// A file that cannot be written: what was there before is untouched.
+    /// The error of a failed write. The file that was there before is intact.
     pub(super) fn write(path: &Path, why: impl std::fmt::Display) -> Self {
         let hint = "; free some space or choose another place with --out. What was written before is intact";
         Self::File { path: path.to_owned(), action: "write", why: why.to_string(), hint }
     }
 
-    /// A file that cannot be read.
+    /// The error of a failed read.
     pub(super) fn read(path: &Path, why: impl std::fmt::Display) -> Self {
         Self::File { path: path.to_owned(), action: "read", why: why.to_string(), hint: "" }
     }

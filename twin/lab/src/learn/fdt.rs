@@ -1,8 +1,8 @@
-//! Factorized Dynamics Transformer as it is trained: the equations of `residual::fdt`, with the folds that leave them equal.
+//! Factorized Dynamics Transformer for training: the equations of `residual::fdt`, with the two folds that do not change its result.
 //!
-//! Two folds hold in training too. The position-wise network is pooled before its second matrix: the mean over channels and
-//! the last token are all that the readout sees. And one query asks the memory, so keys and values of 24 channels are never
-//! formed: `q . W_K (H_2 u + p) = (H_2^T W_K^T q) . u + (W_K^T q) . p`, and the values are summed before `W_V H_2`.
+//! First, the position-wise network is pooled before its second matrix, because the readout uses only the mean over the channels and
+//! the last token. Second, one query asks the memory, so the keys and values of 24 channels are never formed:
+//! `q . W_K (H_2 u + p) = (H_2^T W_K^T q) . u + (W_K^T q) . p`, and the values are summed before `W_V H_2`.
 
 use burn_tensor::Tensor;
 use burn_tensor::activation::{gelu, softmax};
@@ -18,7 +18,7 @@ pub struct Fdt {
 }
 
 impl Fdt {
-    /// Of the sizes in `config`, for so many channels and rows.
+    /// A network with the sizes in `config`, for `channels` input channels and `outputs` coordinates of the residual.
     pub fn new(config: &TrainConfig, channels: usize, outputs: usize) -> Self {
         let config = FdtConfig {
             channels,
@@ -38,7 +38,7 @@ impl Fdt {
         Self { config }
     }
 
-    /// Short-horizon context: the channels' tokens, then the global one. `[batch, channels (+ 1), d]`
+    /// Short-horizon context, `[batch, channels (+ 1), d]`: the tokens of the channels, then the global token.
     fn context(&self, w: &Leaves, x: Tensor<3>) -> Tensor<3> {
         let FdtConfig { t_short, t_long, d_model: d, heads, .. } = self.config;
         let [batch, channels, _] = x.dims();
@@ -57,7 +57,7 @@ impl Fdt {
         tokens
     }
 
-    /// Long-horizon memory retrieval: `g'` for `asks` `[batch, d]`, `[batch, d_k]`.
+    /// Long-horizon memory retrieval: `g'`, `[batch, d_k]`, for the queries `asks`, `[batch, d]`.
     fn recall(&self, w: &Leaves, x: Tensor<3>, asks: Tensor<2>) -> Tensor<2> {
         let FdtConfig { t_long, d_model: d, d_k, .. } = self.config;
         let [batch, channels, _] = x.dims();
@@ -76,7 +76,7 @@ impl Fdt {
         w.linear("cross.value", memory)
     }
 
-    /// Decoder on the channels' tokens `[batch, channels, d]` and the lifted regime `[batch, d]`.
+    /// Decoder on the tokens of the channels, `[batch, channels, d]`, and the lifted regime, `[batch, d]`.
     fn decode(&self, w: &Leaves, tokens: Option<Tensor<3>>, lifted: &Tensor<2>) -> Tensor<3> {
         let FdtConfig { d_model: d, d_ff, horizon, outputs, .. } = self.config;
         let [batch, _] = lifted.dims();

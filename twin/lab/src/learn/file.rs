@@ -1,4 +1,4 @@
-//! Files that are whole or not there: written beside their place, flushed to the disk, then renamed over what was there.
+//! Writes a file whole or not at all: to a temporary file beside it, flushed to the disk, then renamed over the old file.
 
 use std::fs::File;
 use std::io::Write;
@@ -6,17 +6,17 @@ use std::path::{Path, PathBuf};
 
 use super::LearnError;
 
-/// Where `path` is written before it is renamed.
+/// Path of the temporary file that is then renamed to `path`.
 pub fn beside(path: &Path) -> PathBuf {
     let mut name = path.file_name().map_or_else(Default::default, std::ffi::OsStr::to_os_string);
     name.push(".part");
     path.with_file_name(name)
 }
 
-/// Writes `bytes` to `path`; folders above it are made.
+/// Writes `bytes` to `path`, and makes the folders above it.
 ///
 /// # Errors
-/// [`LearnError::File`] if that fails, such as on a full disk; then `path` is what it was.
+/// [`LearnError::File`] if the write fails, such as on a full disk; the old file is then intact.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), LearnError> {
     let part = beside(path);
     let written = (|| {
@@ -29,7 +29,7 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), LearnError> {
         std::fs::rename(&part, path)
     })();
     written.map_err(|why| {
-        // Half a file helps nobody; if even this fails, the error below says enough.
+        // A partial file is useless. If its removal fails too, the error below is enough.
         let _ = std::fs::remove_file(&part);
         LearnError::write(path, why)
     })

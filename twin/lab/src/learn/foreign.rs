@@ -1,15 +1,15 @@
-//! A flight that another program recorded, as series. In the air and known counts; a row that is unknown most of the time is
-//! left out, short gaps hold the last value and are not learned from.
+//! Turns a flight that another program recorded into series. Only ticks in the air count. A channel that is unknown most of the time
+//! is left out; a short gap repeats the last value and is not usable.
 
 use super::raw::Raw;
 use twin_core::notation::N;
 use twin_foreign::OpenedFlight;
 use twin_foreign::Shadow;
 
-/// A row is taken if it is known in at least this part of the ticks in the air.
+/// Smallest share of the ticks in the air in which a channel must be known.
 const LEAST_KNOWN: f64 = 0.5;
 
-/// The flight with its unknown rows absent. `M_bar` is of the mass and inertia that are known, as in `twin mirror`.
+/// The flight; channels that are unknown are absent. `M_bar` comes from the known mass and inertia, as in `twin mirror`.
 pub(super) fn raw(opened: &OpenedFlight) -> Raw {
     let recorded = &opened.recorded;
     let shadow = Shadow::new(recorded, opened.map.vehicle.inertia_kg_m2);
@@ -40,7 +40,7 @@ pub(super) fn raw(opened: &OpenedFlight) -> Raw {
 }
 
 struct Column {
-    /// Gaps hold the last known value; `None` if the row is unknown.
+    /// Values; a gap repeats the last known value. `None` if the channel is unknown.
     values: Option<Vec<f64>>,
     known: Vec<bool>,
 }
@@ -65,7 +65,7 @@ impl Column {
         Self { values: Some((0..ticks).map(hold).collect()), known }
     }
 
-    /// An absent row does not stand in the way of the others.
+    /// Whether this channel allows the tick to be usable; an absent channel allows every tick.
     fn counts(&self, tick: usize) -> bool {
         self.values.is_none() || self.known[tick]
     }

@@ -1,6 +1,6 @@
-//! Blocks of the networks as burn records them for the gradient. Shapes in brackets, batch first.
+//! Building blocks of the networks in burn, which records them for the gradient. Brackets give shapes, batch first.
 //!
-//! burn 0.22.1 deadlocks when two threads run gradients in one process: whoever computes with it holds [`exclusive`].
+//! burn 0.22.1 deadlocks when two threads compute gradients in one process, so every computation with it takes [`exclusive`].
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -11,17 +11,17 @@ use burn_tensor::{Device, Gradients, Tensor, TensorData};
 use super::device::device;
 use super::parameters::Parameters;
 
-/// Added to the variance of a layer normalisation.
+/// Epsilon that layer normalisation adds to the variance.
 const LAYER_NORM_EPSILON: f64 = 1e-5;
 
 static ONE_THREAD: Mutex<()> = Mutex::new(());
 
-/// The right to compute with burn; given back when dropped.
+/// The lock of all computations with burn; dropping the guard releases it.
 pub fn exclusive() -> MutexGuard<'static, ()> {
     ONE_THREAD.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A model's parameters as tensors of one step.
+/// The parameters of a model as tensors, for one step of the optimiser.
 pub struct Leaves {
     tensors: BTreeMap<String, (Tensor<1>, Vec<usize>)>,
     order: Vec<String>,
@@ -29,7 +29,7 @@ pub struct Leaves {
 }
 
 impl Leaves {
-    /// `parameters` on the device; tracked, a gradient is recorded for each of them.
+    /// Copies `parameters` to the device. If `tracked`, burn records a gradient for each of them.
     pub fn new(parameters: &Parameters, tracked: bool) -> Self {
         let device = device(tracked);
         let leaf = |values: &[f32]| {
@@ -47,12 +47,12 @@ impl Leaves {
         }
     }
 
-    /// Where the tensors are.
+    /// The device that holds the tensors.
     pub fn device(&self) -> Device {
         self.device.clone()
     }
 
-    /// The same, with no gradient for the tensors whose names start with `stem`.
+    /// The same tensors, without gradients for those whose names start with `stem`.
     #[must_use]
     pub fn detached(&self, stem: &str) -> Self {
         let one = |(name, (leaf, shape)): (&String, &(Tensor<1>, Vec<usize>))| {
@@ -67,7 +67,7 @@ impl Leaves {
         }
     }
 
-    /// Gradients in the order of the parameters; zero for one that the loss does not depend on.
+    /// Gradients in the order of the parameters; the gradient is zero for a parameter that the loss does not use.
     pub fn gradients(&self, mut gradients: Gradients) -> Vec<Vec<f32>> {
         let of = |name: &String| {
             let (leaf, shape) = &self.tensors[name];
@@ -77,30 +77,30 @@ impl Leaves {
         self.order.iter().map(of).collect()
     }
 
-    /// Whether there is a tensor of that name.
+    /// Whether the model has a tensor called `name`.
     pub fn has(&self, name: &str) -> bool {
         self.tensors.contains_key(name)
     }
 
-    /// A tensor as `[n]`.
+    /// The tensor called `name`, `[n]`.
     ///
     /// # Panics
-    /// If the model has none of that name.
+    /// If the model has no such tensor.
     pub fn vector(&self, name: &str) -> Tensor<1> {
         let (leaf, _) = self.tensors.get(name).expect("a tensor that the model lists");
         leaf.clone()
     }
 
-    /// A tensor as `[rows, columns]`.
+    /// The tensor called `name`, `[rows, columns]`.
     ///
     /// # Panics
-    /// If the model has none of that name and rank.
+    /// If the model has no such tensor, or its rank is not 2.
     pub fn matrix(&self, name: &str) -> Tensor<2> {
         let (leaf, shape) = self.tensors.get(name).expect("a tensor that the model lists");
         leaf.clone().reshape([shape[0], shape[1]])
     }
 
-    /// `x W^T + b` (without `b` if there is none): `[rows, inputs]` to `[rows, out]`.
+    /// `x W^T + b`: `[rows, inputs]` to `[rows, out]`. A layer without a bias has no `b`.
     pub fn linear(&self, stem: &str, x: Tensor<2>) -> Tensor<2> {
         let product = x.matmul(self.matrix(&format!("{stem}.weight")).transpose());
         let bias = format!("{stem}.bias");
@@ -116,7 +116,7 @@ impl Leaves {
             + self.vector(&format!("{stem}.bias")).unsqueeze::<2>()
     }
 
-    /// [`Leaves::attend`] with a layer normalisation first: `[batch, n, d]`.
+    /// Layer normalisation followed by [`Leaves::attend`]: `[batch, n, d]`.
     pub fn attention(
         &self,
         [norm, qkv, out]: [&str; 3],
@@ -129,8 +129,8 @@ impl Leaves {
         self.attend([qkv, out], heads, normed, mask)
     }
 
-    /// Self-attention over the tokens of each sequence without a residual sum: `[batch, n, d]`. `mask`, `[n, n]`, is added to
-    /// the scores.
+    /// Self-attention over the tokens of each sequence, without the residual connection: `[batch, n, d]`. `mask`, `[n, n]`, is added
+    /// to the scores.
     pub fn attend(
         &self,
         [qkv, out]: [&str; 2],
@@ -162,25 +162,25 @@ impl Leaves {
     }
 }
 
-/// Values onto the device: `[n]`.
+/// Copies values to the device: `[n]`.
 pub fn vector(values: Vec<f32>, device: &Device) -> Tensor<1> {
     let length = values.len();
     Tensor::from_data(TensorData::new(values, [length]), device)
 }
 
-/// A tensor's values, row-major.
+/// The values of a tensor, row-major.
 ///
 /// # Panics
-/// If the device fails or holds something else than `f32`; the processor's does neither.
+/// If the device fails, or the tensor does not hold `f32`; neither happens on the processor.
 pub fn values<const D: usize>(tensor: Tensor<D>) -> Vec<f32> {
     tensor.into_data().try_to_vec::<f32>().expect("a tensor of f32")
 }
 
-/// What a network says about a batch.
+/// The output of a network for a batch.
 pub struct Output {
     /// z-scored forecasts, `[batch, horizon + 1, outputs]`.
     pub forecast: Tensor<3>,
-    /// Regime latent before its scale, `[batch, d_k]`; what an adaptive last layer sees.
+    /// Regime latent before its scale, `[batch, d_k]`. It is the input of an adaptive last layer.
     pub regime: Tensor<2>,
 }
 
@@ -192,32 +192,32 @@ pub struct Inputs {
     pub y: Tensor<3>,
     /// Flight of each window.
     pub flights: Vec<usize>,
-    /// How far the training is, 0 to 1.
+    /// Progress of the training, 0 to 1.
     pub progress: f64,
 }
 
 /// A model that can be trained.
 pub trait Network {
-    /// Its sizes, for the head of the file.
+    /// Sizes of the model, for the head of the file.
     fn config(&self) -> serde_json::Value;
 
     /// Name and shape of every tensor of the file.
     fn tensors(&self) -> Vec<(String, Vec<usize>)>;
 
-    /// Tensors that are needed for training alone and are not written.
+    /// Tensors that only the training needs, which are not written.
     fn helpers(&self) -> Vec<(String, Vec<usize>)> {
         Vec::new()
     }
 
-    /// Forecast and regime.
+    /// The forecast and the regime of a batch `[batch, channels, t_long]`.
     fn forward(&self, leaves: &Leaves, x: Tensor<3>) -> Output;
 
-    /// What is minimised over a batch, `[1]`: by default the mean squared error over the whole horizon and all rows.
+    /// The loss of a batch, `[1]`: by default the mean squared error over the whole horizon and all outputs.
     fn loss(&self, leaves: &Leaves, inputs: Inputs) -> Tensor<1> {
         mean_square(self.forward(leaves, inputs.x).forecast - inputs.y)
     }
 
-    /// Keeps `parameters` within what the model allows, after every step.
+    /// Projects `parameters` onto the set that the model allows; called after every step.
     fn constrain(&self, _parameters: &mut Parameters) {}
 }
 

@@ -1,10 +1,10 @@
-//! Made-up flights for tests: a linear system whose residual is known from its inputs.
+//! Made flights for tests: a linear system whose residual is a known function of its inputs.
 
 use super::config::TrainConfig;
 use super::dataset::{Dataset, FlightSeries};
 use twin_core::elementary::sin;
 
-/// Residual of the made flights: `r_x = 0.8 tau_x - 0.5 chi_dot_x`, `r_z = 3 + 0.6 tau_z`, in z-scores smooth in time.
+/// Flights whose z-scored residual is `r_x = 0.8 tau_x - 0.5 chi_dot_x` and `r_z = 3 + 0.6 tau_z`, smooth in time.
 pub(super) fn dataset(flights: usize, ticks: usize) -> Dataset {
     let names = ["chi.x", "chi_dot.x", "tau.x", "tau.z"].map(str::to_owned).to_vec();
     let one = |flight: usize| {
@@ -31,7 +31,7 @@ pub(super) fn dataset(flights: usize, ticks: usize) -> Dataset {
     }
 }
 
-/// Settings that train in a second.
+/// A configuration that trains in a second.
 pub(super) fn tiny() -> TrainConfig {
     TrainConfig {
         d_model: 16,

@@ -1,7 +1,7 @@
 //! Learning the residual: recordings → series → windows → a trained model in one `safetensors` file.
 //!
-//! Reading, splitting, normalising and writing need nothing but this crate; the models and their gradients are in burn, behind
-//! the Cargo feature `train`. What flies is never burn: `residual` runs the written file with its own forward pass.
+//! Reading, splitting, normalising and writing need no crate for learning. The models and their gradients use burn, behind the Cargo
+//! feature `train`. A flight never uses burn: `residual` runs the written file with its own forward pass.
 
 mod error;
 pub mod config;

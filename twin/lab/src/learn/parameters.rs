@@ -1,22 +1,22 @@
-//! The numbers of a model by name, as plain arrays: what is initialised, optimised, stored and read back.
+//! The parameters of a model by name, as plain arrays. They are initialised, optimised, stored and read back.
 
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
 use twin_core::normal::StandardNormal;
 
-/// Deviation of learned tokens, identities and positions at the start. The embedding of a z-scored window has about 0.6, so
-/// channels are told apart from the first step on.
+/// Standard deviation of learned tokens, identities and positions at the start. The embedding of a z-scored window has about 0.6,
+/// so that the channels differ from the first step on.
 const EMBEDDING_STD: f32 = 0.3;
 
 /// One tensor, row-major.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameter {
-    /// Its name in the file.
+    /// Name in the file.
     pub name: String,
-    /// Its shape.
+    /// Shape.
     pub shape: Vec<usize>,
-    /// Its values.
+    /// Values.
     pub values: Vec<f32>,
 }
 
@@ -25,9 +25,9 @@ pub struct Parameter {
 pub struct Parameters(pub Vec<Parameter>);
 
 impl Parameters {
-    /// Tensors of these names and shapes as a training begins with them: a `norm` is the identity; a `weight` `[out, inputs]`
-    /// and the `bias` after it are uniform within `1 / sqrt(inputs)` (He et al. 2015 with the slope of a linear layer);
-    /// everything else is an embedding, normal.
+    /// Initial values of tensors with these names and shapes. A `norm` is the identity. A `weight` `[out, inputs]` and the `bias` after
+    /// it are uniform within `1 / sqrt(inputs)` (He et al. 2015 with the slope of a linear layer). Every other tensor is an embedding
+    /// and is normal.
     pub fn initial(tensors: &[(String, Vec<usize>)], random: &mut Pcg64Mcg) -> Self {
         let mut bound = 1.0_f32;
         let mut all = Self::default();
@@ -54,12 +54,12 @@ impl Parameters {
         self.0.iter().map(|parameter| parameter.values.len()).sum()
     }
 
-    /// The tensor of that name.
+    /// The tensor called `name`.
     pub fn get(&self, name: &str) -> Option<&Parameter> {
         self.0.iter().find(|parameter| parameter.name == name)
     }
 
-    /// The same shapes, all zero.
+    /// Tensors of the same names and shapes, all zero.
     #[must_use]
     pub fn zeros_like(&self) -> Self {
         let zero = |p: &Parameter| Parameter { values: vec![0.0; p.values.len()], ..p.clone() };

@@ -1,11 +1,11 @@
-//! One flight as it was read, before what its file does not know is left out.
+//! A flight as its file gives it, before unknown channels are left out.
 
 use std::path::PathBuf;
 
-/// A flight with all channels, unknown ones absent.
+/// A flight with all channels; an unknown channel is `None`.
 pub(super) struct Raw {
     pub(super) path: PathBuf,
-    /// Per channel in the order of the dataset's stems × rows.
+    /// Input channels in the order stems × coordinates.
     pub(super) inputs: Vec<Option<Vec<f64>>>,
     pub(super) outputs: Vec<Option<Vec<f64>>>,
     pub(super) usable: Vec<bool>,

@@ -1,24 +1,24 @@
-//! The basis in which the adapter sees the regime `g'`.
+//! The basis in which the adapter gets the regime `g'`.
 //!
-//! The network fixes `g'` only up to an invertible linear map `A`: `W_V` and its bias times `A`, `W_lift` times `A^-1`, and every
-//! forecast is as before. Gradient descent leaves most of the power of `g'` in one direction that hardly varies; recursive least
-//! squares under a bounded covariance then learns little more than an offset. So `A` is chosen after the training that makes the
-//! second moment of `g'` over the training windows the identity, but for directions with next to no power.
+//! The network fixes `g'` only up to an invertible linear map `A`: if `W_V` and its bias are multiplied by `A`, and `W_lift` by `A^-1`,
+//! every forecast stays the same. Gradient descent leaves most of the power of `g'` in one direction that hardly varies. Recursive
+//! least squares under a bounded covariance then learns little more than an offset. So `A` is chosen after the training. It makes
+//! the second moment of `g'` over the training windows the identity, except in directions with almost no power.
 //!
-//! In: the second moment `[d_k, d_k]`. Out: the maps, and the factor that gives `g'` its power.
+//! In: the second moment `[d_k, d_k]`. Out: both maps, and the factor that gives `g'` its power.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::parameters::Parameters;
 use twin_core::elementary::powf;
 
-/// Mean of the squared norm of the regime that the adapter is to see.
+/// Mean squared norm of the regime that the adapter gets.
 const POWER: f64 = 8.0;
 
-/// Directions with less than this part of the mean power are left small: what moves there is rounding, not regime.
+/// Directions with a smaller share of the mean power stay small, because their variation is rounding.
 const LEAST_POWER: f64 = 1e-3;
 
-/// Most steps of the decomposition, so that it ends for every matrix.
+/// Most iterations of the decomposition, so that it ends for every matrix.
 const MOST_STEPS: usize = 10_000;
 
 /// The map to the adapter's regime and back.
@@ -28,7 +28,7 @@ pub struct Basis {
     forth: DMatrix<f64>,
     /// `A^-1`.
     back: DMatrix<f64>,
-    /// `regime_scale` of the head: mean squared norm of `A g'` times its square is 8.
+    /// `regime_scale` of the head: the mean squared norm of `A g'`, times the square of the scale, is 8.
     pub scale: f64,
 }
 
@@ -58,7 +58,7 @@ impl Basis {
         Self { forth: of(-0.5), back: of(0.5), scale: (POWER / power).sqrt() }
     }
 
-    /// Only the power, for a model whose last layer is not linear in its regime.
+    /// A basis with the scale alone, for a model whose last layer is not linear in its regime.
     pub fn unturned(moment: &DMatrix<f64>) -> Self {
         let (d_k, power) = (moment.nrows(), moment.trace());
         let scale = if power > 0.0 && power.is_finite() { (POWER / power).sqrt() } else { 1.0 };
@@ -66,7 +66,7 @@ impl Basis {
         Self { forth: identity.clone(), back: identity, scale }
     }
 
-    /// Turns the regime of an FDT: what it forecasts stays.
+    /// Applies the maps to the weights of an FDT; its forecast stays the same.
     pub fn turn(&self, weights: &mut Parameters) {
         for parameter in &mut weights.0 {
             let width = parameter.shape.last().copied().unwrap_or(1);
@@ -86,7 +86,7 @@ impl Basis {
     }
 }
 
-/// Sum of `g' g'^T` over `regimes` `[windows, d_k]`, divided by `windows` in all.
+/// Sum of `g' g'^T` over `regimes` `[windows, d_k]`, divided by `windows`, the number of all windows.
 pub fn second_moment(regimes: &[f32], d_k: usize, windows: usize) -> DMatrix<f64> {
     let rows = regimes.len() / d_k.max(1);
     let all = DMatrix::from_row_iterator(rows, d_k, regimes.iter().map(|g| f64::from(*g)));
@@ -102,7 +102,7 @@ mod tests {
     /// Products of a few f32 numbers below 10.
     const F32_TOLERANCE: f64 = 1e-4;
 
-    /// Regimes with nearly all power in one direction, as trainings leave them.
+    /// Regimes with nearly all power in one direction, as training leaves them.
     fn lopsided() -> Vec<f32> {
         (0..200)
             .flat_map(|i| {
@@ -122,7 +122,7 @@ mod tests {
         let before = SymmetricEigen::new(moment).eigenvalues;
         let after = SymmetricEigen::new(turned).eigenvalues;
         assert!(before.max() / before.min() > 1e3, "{before}");
-        // The weakest direction is near the floor and stays below the others.
+        // The weakest direction is near the floor, so its power stays below that of the others.
         assert!(after.max() / after.min() < 3.0, "{after}");
         assert!((&basis.forth * &basis.back - DMatrix::identity(3, 3)).norm() < 1e-9);
     }

@@ -1,7 +1,7 @@
-//! The training itself: epochs of steps, validation, checkpoint, early stop; in the end one file of weights.
+//! The training: epochs of steps, validation, checkpoint, early stop, and in the end one file of weights.
 //!
-//! In: [`Dataset`], [`Request`]. Out: the file `out` and its [`Outcome`]. Deterministic: batches and noise are functions of seed
-//! and epoch, so the same request gives the same bits on one machine with one number of threads, stopped in between or not.
+//! In: [`Dataset`], [`Request`]. Out: the file `out` and its [`Outcome`]. Batches and noise are functions of seed and epoch, so the
+//! same request gives the same bits on one machine with one number of threads, also if the training was stopped and resumed.
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -27,50 +27,50 @@ use super::windows::{Batch, Place, Windows, generator};
 use twin_core::notation::TICK_S;
 use twin_core::residual::weights::{self, Acceptance, FORMAT, Head, ModelKind, Training, Weights};
 
-/// Windows whose regime is looked at for its basis: every so many-th of the training.
+/// Stride of the training windows whose regime determines the basis.
 const REGIME_STRIDE: usize = 32;
 
-/// What to train, and where to.
+/// A request for a training.
 pub struct Request<'a> {
     /// Model and settings.
     pub config: &'a TrainConfig,
-    /// Seed of initialisation, order, offsets and noise.
+    /// Seed of initialisation, order of the windows, offsets and noise.
     pub seed: u64,
-    /// Go on from the checkpoint beside `out`.
+    /// Whether to resume from the checkpoint beside `out`.
     pub resume: bool,
-    /// The file of weights.
+    /// Path of the file of weights.
     pub out: &'a Path,
-    /// Version of the program, for the head of the file.
+    /// Commit of the program, for the head of the file.
     pub git: &'a str,
 }
 
-/// Told after every step and every epoch.
+/// Progress that the observer gets after every step and every epoch.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress {
     /// The epoch, from 1.
     pub epoch: usize,
-    /// Steps done in it, and of how many.
+    /// Number of steps that are done in the epoch, and number of all its steps.
     pub steps: (usize, usize),
     /// Mean loss of the epoch so far.
     pub loss: f64,
-    /// Set at the end of an epoch, after its checkpoint was written.
+    /// The record of the epoch; set after the last step, when the checkpoint was written.
     pub finished: Option<EpochRecord>,
 }
 
-/// What came out.
+/// The result of a training.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
-    /// What the file says about itself.
+    /// Head of the file of weights.
     pub head: Head,
     /// The curve.
     pub curve: Vec<EpochRecord>,
-    /// Scalars of the model.
+    /// Number of scalars of the model.
     pub parameters: usize,
-    /// Windows for training, before the stride, and for validation.
+    /// Number of windows for training, before the stride, and for validation.
     pub windows: (usize, usize),
-    /// Validation loss of saying the mean: the variance there.
+    /// Validation loss of a forecast that is always the mean, which is the variance of the validation windows.
     pub validation_variance: f64,
-    /// Whether it was finished; `false` if the observer stopped it, then only the checkpoint is written.
+    /// Whether the training finished; `false` if the observer stopped it, and then only the checkpoint was written.
     pub finished: bool,
 }
 
@@ -83,10 +83,10 @@ pub fn network(config: &TrainConfig, windows: &Windows) -> Box<dyn Network> {
     }
 }
 
-/// Trains; `observe` is told and may stop it between steps.
+/// Trains a model. `observe` gets the progress, and may stop the training between two steps.
 ///
 /// # Errors
-/// [`LearnError`] if data, checkpoint or disk do not allow it, or the loss diverges.
+/// [`LearnError`] if the data, the checkpoint or the disk do not allow the training, or the loss diverges.
 pub fn train(
     data: &Dataset,
     request: &Request<'_>,
@@ -137,7 +137,7 @@ impl<'a> Trainer<'a> {
         Ok(Self { request, windows, network, now })
     }
 
-    /// Whether it came to its end.
+    /// Runs all epochs; returns whether the training finished.
     fn run(
         &mut self,
         observe: &mut dyn FnMut(Progress) -> ControlFlow<()>,
@@ -164,10 +164,10 @@ impl<'a> Trainer<'a> {
         state.curve.len() >= state.best_epoch + self.request.config.patience
     }
 
-    /// One epoch; `None` if the observer stopped it in the middle.
+    /// Runs one epoch; `None` if the observer stopped it.
     #[expect(
         clippy::disallowed_methods,
-        reason = "how long it took, for people; nothing depends on it"
+        reason = "people read the time of an epoch; nothing depends on it"
     )]
     fn epoch(
         &mut self,
@@ -223,7 +223,7 @@ impl<'a> Trainer<'a> {
         Ok(Some(record))
     }
 
-    /// One step of the optimiser; the loss before it.
+    /// Makes one step of the optimiser, and returns the loss before it.
     fn step(&mut self, batch: &Batch, rate: f64, progress: f64) -> f64 {
         let leaves = Leaves::new(&self.now.weights, true);
         let loss = self.network.loss(&leaves, self.inputs(batch, true, progress));
@@ -257,7 +257,7 @@ impl<'a> Trainer<'a> {
         })
     }
 
-    /// The mean of `of` over the windows in `places`, each window counting once.
+    /// The mean of `of` over the windows in `places`; each window has the same weight.
     fn over(&self, places: &[Place], of: impl Fn(Inputs) -> f64) -> f64 {
         let part = |part: &[Place]| {
             let batch = self.windows.batch(part, None);

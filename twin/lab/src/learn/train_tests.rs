@@ -1,4 +1,4 @@
-//! Training: it learns, it goes on where it stopped, and what it writes flies as it was trained.
+//! Training reduces the loss, resumes where it stopped, and writes weights whose forecast in flight equals that of the training.
 
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -18,7 +18,7 @@ use twin_core::elementary::squared;
 use twin_core::residual::weights::{ModelKind, Weights};
 use twin_core::residual::{fdt, learned};
 
-/// Two orders of summation in f32, numbers of order one.
+/// Two orders of summation in f32, for numbers of order one.
 const PARITY: f32 = 1e-5;
 
 fn folder(name: &str) -> PathBuf {
@@ -50,13 +50,13 @@ fn a_small_training_learns_a_linear_system() {
     let out = folder("learns").join("w.safetensors");
     let outcome = run(&data, &config, &out, false, usize::MAX).unwrap();
     let loss = outcome.head.training.validation_loss.unwrap();
-    // Saying the mean costs the variance; inputs that are known leave nothing but what a dozen epochs did not learn.
+    // A forecast of the mean has the variance as its loss. The inputs determine the residual, so the rest is what a dozen epochs leave.
     assert!(loss < 0.1 * outcome.validation_variance, "{loss} of {}", outcome.validation_variance);
     let read = Weights::from_bytes(&std::fs::read(&out).unwrap()).unwrap();
     assert_eq!(read.head, outcome.head);
     assert_eq!(read.head.normalisation.masked, ["chi.x"]);
     assert_eq!(read.head.data_hash, data.hash());
-    // The regime is scaled to a mean squared norm of 8 over the training windows; here over other ones of the same flights.
+    // The regime has a mean squared norm of 8 over the training windows; here other windows of the same flights are used.
     let model = fdt::Model::new(&read).unwrap();
     let windows = Windows::new(&data, &config).unwrap();
     let places = windows.epoch(9, 1, 7);
@@ -92,7 +92,7 @@ fn a_training_that_was_stopped_goes_on_to_the_same_bits() {
     };
     let (a, b) = (last(&whole), last(&halves));
     assert_eq!((a.weights, a.adam), (b.weights, b.adam));
-    // Another seed or other data are another training.
+    // Another seed, or other data, is another training.
     let other = run(&dataset(2, 301), &config, &halves, true, 9).unwrap_err().to_string();
     assert!(other.contains("another training: the data hash"), "{other}");
 }
@@ -113,7 +113,7 @@ fn a_loss_that_is_no_number_ends_the_training_and_leaves_the_checkpoint() {
     assert!(!out.exists() && std::fs::read(path_for(&out)).unwrap() == before);
 }
 
-/// The weights of an untrained network as a file, and a batch of its windows with what burn makes of it.
+/// A file of weights after one epoch, and a batch of its windows with the forecast that burn gives.
 fn untrained(config: &TrainConfig) -> (Weights, Windows, Vec<f32>, Vec<f32>) {
     let data = dataset(2, 300);
     let windows = Windows::new(&data, config).unwrap();

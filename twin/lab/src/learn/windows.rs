@@ -1,7 +1,7 @@
-//! Series as z-scored windows: what one batch of training or validation holds.
+//! Cuts series into z-scored windows, and collects windows into batches for training and validation.
 //!
 //! In: [`Dataset`]. Out: [`Batch`]es of `x` `[batch, channels, t_long]` (oldest first) and `y` `[batch, horizon + 1, outputs]`.
-//! Windows never cross flights. The last part of each flight is for validation, a gap of `t_long` ticks before it for neither.
+//! Windows never cross flights. The last part of each flight is for validation; a gap of `t_long` ticks before it is used by neither.
 
 use rand::seq::SliceRandom;
 use rand::{Rng, RngExt, SeedableRng};
@@ -14,26 +14,26 @@ use super::dataset::{Dataset, FlightSeries};
 use twin_core::normal::StandardNormal;
 use twin_core::notation::TICK_S;
 
-/// A channel that moves less than this is taken as constant: its deviation counts as 1.
+/// A channel with a smaller standard deviation is constant, and its deviation counts as 1.
 const LEAST_STD: f64 = 1e-6;
 
-/// Validation looks at every fourth window: neighbours are nearly equal.
+/// Stride of the validation windows, because neighbours are nearly equal.
 const VALIDATION_STRIDE: usize = 4;
 
 /// Means and standard deviations over the training part; physical units.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Normalisation {
-    /// Per input channel.
+    /// Mean of each input channel.
     pub input_mean: Vec<f32>,
-    /// Per input channel.
+    /// Standard deviation of each input channel.
     pub input_std: Vec<f32>,
-    /// Per output.
+    /// Mean of each output.
     pub output_mean: Vec<f32>,
-    /// Per output.
+    /// Standard deviation of each output.
     pub output_std: Vec<f32>,
 }
 
-/// Where a window ends: flight and tick `t`.
+/// The end of a window: its flight and its newest tick `t`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Place {
     /// Number of the flight.
@@ -54,7 +54,7 @@ pub struct Batch {
 }
 
 impl Batch {
-    /// Windows in it.
+    /// Number of windows.
     pub fn size(&self) -> usize {
         self.flights.len()
     }
@@ -63,28 +63,28 @@ impl Batch {
 /// All windows of a data set.
 #[derive(Clone, Debug)]
 pub struct Windows {
-    /// What the numbers were z-scored by.
+    /// Means and standard deviations of the z-scores.
     pub normalisation: Normalisation,
-    /// Input channels.
+    /// Number of input channels.
     pub channels: usize,
-    /// Output rows.
+    /// Number of outputs.
     pub outputs: usize,
     t_long: usize,
     horizon: usize,
-    /// z-scored flights.
+    /// The flights, z-scored.
     flights: Vec<FlightSeries>,
     train: Vec<Place>,
     validation: Vec<Place>,
-    /// Channels that get noise: the applied forces.
+    /// For each channel, whether it gets noise; the applied forces do.
     noisy: Vec<bool>,
     noise: f32,
 }
 
 impl Windows {
-    /// Splits, normalises and masks `data`.
+    /// Splits `data` into training and validation, normalises it and sets masked channels to zero.
     ///
     /// # Errors
-    /// [`LearnError::TooShort`] if training or validation is left without a window.
+    /// [`LearnError::TooShort`] if training or validation has no window.
     pub fn new(data: &Dataset, config: &TrainConfig) -> Result<Self, LearnError> {
         let (t_long, horizon) = (config.t_long, config.horizon);
         let places = |part: &dyn Fn(&FlightSeries) -> std::ops::Range<usize>| {
@@ -124,7 +124,7 @@ impl Windows {
         })
     }
 
-    /// Windows for training, before any stride.
+    /// Number of windows for training, before any stride.
     pub fn training_windows(&self) -> usize {
         self.train.len()
     }
@@ -134,7 +134,7 @@ impl Windows {
         self.flights.len()
     }
 
-    /// Every `stride`-th training window from an offset drawn for this epoch, shuffled. A function of `seed` and `epoch` alone.
+    /// Every `stride`-th training window from an offset that is drawn for this epoch, shuffled. It depends on `seed` and `epoch` only.
     pub fn epoch(&self, seed: u64, epoch: usize, stride: usize) -> Vec<Place> {
         let mut random = generator(seed, epoch, 1);
         let offset = random.random_range(0..stride.max(1));
@@ -144,20 +144,20 @@ impl Windows {
         places
     }
 
-    /// The windows of validation, in order.
+    /// The windows for validation, in order.
     pub fn validation(&self) -> &[Place] {
         &self.validation
     }
 
-    /// The windows in `places`; with `noise`, white noise on the applied forces, so that the model does not lean on
-    /// `tau_{t-1}` alone (at rest `r = tau`, and a loop closed over that leak limit-cycles).
+    /// The windows in `places`. With `noise`, the applied forces get white noise, so that the model does not rely on `tau_{t-1}` alone:
+    /// at rest `r = tau`, and a loop that is closed over this leak has a limit cycle.
     pub fn batch(&self, places: &[Place], noise: Option<&mut Pcg64Mcg>) -> Batch {
         let mut batch = Batch::default();
         batch.x.reserve(places.len() * self.channels * self.t_long);
         for place in places {
             let series = &self.flights[place.flight];
             for channel in &series.inputs {
-                // Before the first tick the oldest one is held, as in flight.
+                // Ticks before the first repeat the oldest tick, as in flight.
                 let missing = self.t_long.saturating_sub(place.tick + 1);
                 batch.x.extend(std::iter::repeat_n(channel[0], missing));
                 batch.x.extend_from_slice(
@@ -187,7 +187,7 @@ impl Windows {
     }
 }
 
-/// The generator of one purpose (`stream`) in one epoch: nothing of it needs to be kept to go on later.
+/// The random generator of one purpose (`stream`) in one epoch. Its state need not be stored, because the arguments determine it.
 pub fn generator(seed: u64, epoch: usize, stream: u64) -> Pcg64Mcg {
     let mixed = seed
         .wrapping_mul(0x9e37_79b9_7f4a_7c15)
@@ -196,13 +196,13 @@ pub fn generator(seed: u64, epoch: usize, stream: u64) -> Pcg64Mcg {
     Pcg64Mcg::seed_from_u64(mixed)
 }
 
-/// The residual is usable at `t..=t + horizon`.
+/// Whether the residual is usable at all ticks `t..=t + horizon`.
 fn learnable(series: &FlightSeries, t: usize, horizon: usize) -> bool {
     series.usable.get(t..=t + horizon).is_some_and(|ticks| ticks.iter().all(|usable| *usable))
 }
 
 impl Normalisation {
-    /// Over the usable ticks before `split` of each flight.
+    /// Statistics over the usable ticks before `split` of each flight.
     fn of(data: &Dataset, split: &dyn Fn(&FlightSeries) -> usize) -> Self {
         let statistics = |of: &dyn Fn(&FlightSeries) -> &[f32]| {
             let values = || {

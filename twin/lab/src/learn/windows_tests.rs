@@ -1,4 +1,4 @@
-//! What a window holds, against the series it was cut from.
+//! The content of windows, compared with the series that they were cut from.
 
 use super::config::TrainConfig;
 use super::made::{dataset, tiny};
@@ -47,7 +47,7 @@ fn training_and_validation_never_share_a_tick_of_history_or_forecast() {
     assert_eq!(stride_one.len(), windows.training_windows());
     assert!(stride_one.iter().all(|place| place.tick + config.horizon < split));
     assert!(windows.validation().iter().all(|place| place.tick >= split + config.t_long));
-    // No forecast tick of a used window is one that may not be learned: 98 + 2 = 100.
+    // A window that ends at tick 98 or later has tick 98 + 2 = 100, which is not usable, in its horizon.
     let of_first = stride_one.iter().filter(|place| place.flight == 0);
     assert!(of_first.clone().all(|place| !(98..110).contains(&place.tick)));
     assert!(
@@ -82,7 +82,7 @@ fn noise_falls_on_the_applied_forces_alone_with_its_deviation() {
             count += 1.0;
         }
     }
-    // Some 16,000 draws: the deviation is known to 0.3 / sqrt(2 n), of which this is ten times.
+    // Some 16,000 draws give the deviation with a standard error of 0.3 / sqrt(2 n); the bound is ten times that.
     assert!(((squares / count).sqrt() - 0.3).abs() < 0.02, "{}", (squares / count).sqrt());
 }
 

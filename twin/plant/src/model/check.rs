@@ -1,7 +1,7 @@
-//! Checks on the raw XML, before any value is taken from it: every finding names its line.
+//! Checks on the raw XML, before the loader takes any value from it. Every finding names its line.
 //!
-//! What passes here has one `<robot>`, uniquely named links and joints, numbers that are finite, of the right count and
-//! sign, known joint kinds, axes and limits. Trees and inertias are checked on the loaded values.
+//! XML that passes has one `<robot>`, links and joints with unique names, finite numbers of the right count and sign, and known
+//! joint kinds, axes and limits. The loader checks the tree and the inertias on the loaded values.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -11,13 +11,13 @@ use roxmltree::{Document, Node};
 use super::ModelError;
 use super::numbers::{NUMBERS, Number};
 
-/// Deepest element nesting; URDF needs six, the recursive readers behind it stand far more.
+/// Deepest nesting of elements. URDF needs six, and the recursive readers of XML can take far more.
 const MAX_DEPTH: usize = 32;
 
-/// Joint kinds the twin simulates.
+/// Joint kinds that the twin simulates.
 const KINDS: [&str; 4] = ["fixed", "revolute", "continuous", "prismatic"];
 
-/// A URDF as XML, with the means to say where something stands.
+/// A URDF as XML; it finds the line of an element for an error.
 pub(super) struct Source<'a> {
     file: &'a Path,
     document: Document<'a>,
@@ -65,7 +65,7 @@ impl<'a> Source<'a> {
         self.document.text_pos_at(node.range().start).row
     }
 
-    /// The error for `node`.
+    /// The error that refuses `node`; `found`, `allowed` and `remedy` are parts of its message.
     pub(super) fn refuse(
         &self,
         node: Node<'_, '_>,

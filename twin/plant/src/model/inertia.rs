@@ -1,11 +1,11 @@
-//! What a mass distribution can be: positive definite, and no principal moment above the sum of the other two.
+//! The conditions that an inertia tensor meets: it is positive definite, and no principal moment exceeds the sum of the other two.
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
 /// Relative slack of the triangle inequality: a flat plate meets it with equality, and files hold rounded decimals.
 const TRIANGLE_SLACK: f64 = 1e-9;
 
-/// Why no rigid body has this tensor, or nothing.
+/// The condition that the tensor violates, in words; `None` if it is the tensor of a rigid body.
 pub(super) fn impossible(inertia: &Matrix3<f64>) -> Option<String> {
     let Some(eigen) = SymmetricEigen::try_new(*inertia, f64::EPSILON, 1000) else {
         return Some("has no principal moments".into());
@@ -30,7 +30,7 @@ mod tests {
     fn solids_pass_and_impossible_tensors_do_not() {
         let diagonal = |a, b, c| Matrix3::from_diagonal(&Vector3::new(a, b, c));
         assert_eq!(impossible(&diagonal(0.04, 0.04, 0.07)), None);
-        // A flat plate: equality.
+        // A flat plate meets the triangle inequality with equality.
         assert_eq!(impossible(&diagonal(0.1, 0.2, 0.3)), None);
         assert!(impossible(&diagonal(0.1, 0.2, 0.300_001)).unwrap().contains("triangle"));
         assert!(impossible(&diagonal(0.1, -0.1, 0.1)).unwrap().contains("definite"));

@@ -1,15 +1,15 @@
-//! Poses of links, and the arm as the task and the statics see it.
+//! Poses of the links, and the arm that the task and the statics use.
 
 use nalgebra::{Isometry3, Matrix3x2, Translation3, Unit, UnitQuaternion, Vector2, Vector3};
 
 use super::{Joint, JointKind, Robot};
 use twin_core::task::ToolKinematics;
 
-/// Most arm joints that have rows in `chi`.
+/// Most arm joints that have a coordinate in `chi`.
 const ROWS: usize = 2;
 
-/// `world_from_link` of every link, m. `joint_positions` has one entry for each joint, rad or m; entries of joints that
-/// mimic are not read, missing ones count as zero.
+/// `world_from_link` of every link, m. `joint_positions` has one entry for each joint, rad or m. The entry of a mimicking joint is
+/// not read; a missing entry counts as zero.
 pub fn link_poses(
     robot: &Robot,
     world_from_root: &Isometry3<f64>,
@@ -57,7 +57,7 @@ struct SkeletonJoint {
 }
 
 impl Skeleton {
-    /// Free joints `arm` (indices into `robot.joints`, the first two count), in the order of `q1 q2`.
+    /// The skeleton whose free joints are `arm`, in the order of `q1 q2`: indices into `robot.joints`, at most the first two.
     pub(super) fn new(robot: &Robot, arm: &[usize]) -> Self {
         let arm = &arm[..arm.len().min(ROWS)];
         let mut links = vec![(None, Isometry3::identity()); robot.links.len()];
@@ -73,7 +73,7 @@ impl Skeleton {
                 None => (parent, origin * motion(joint, rest(robot, joint))),
             };
         }
-        // An index beyond the robot's joints leaves no free joint, and later ones would change their row.
+        // An index beyond the robot's joints gives no free joint; the list ends there, so that no later joint takes its coordinate.
         Skeleton { joints: free.into_iter().map_while(|joint| joint).collect(), links }
     }
 
@@ -93,7 +93,7 @@ impl Skeleton {
         body_from_parent * origin * motion(joint, q[row])
     }
 
-    /// Whether arm joint `row` moves what hangs on `carrier`.
+    /// Whether arm joint `row` moves the links that `carrier` carries.
     pub(super) fn moves(&self, row: usize, carrier: Option<usize>) -> bool {
         carrier
             .is_some_and(|carrier| carrier == row || self.moves(row, self.joints[carrier].parent))
@@ -120,7 +120,7 @@ impl Skeleton {
     }
 }
 
-/// Position of a joint that nothing moves, rad or m.
+/// Position of a joint that is not driven, rad or m.
 fn rest(robot: &Robot, joint: &Joint) -> f64 {
     match joint.mimic {
         Some(mimic) => {
@@ -131,7 +131,7 @@ fn rest(robot: &Robot, joint: &Joint) -> f64 {
     }
 }
 
-/// The arm as the task sees it: where the tool frame is in the body frame, and how it moves.
+/// The arm of the task: pose of the tool frame in the body frame, and its Jacobian.
 #[derive(Clone, Debug)]
 pub struct Arm {
     skeleton: Skeleton,
@@ -140,7 +140,7 @@ pub struct Arm {
 }
 
 impl Arm {
-    /// The arm with joints `q1 q2` = `joints` (indices into `robot.joints`, none to two) that carries link `tool_link`.
+    /// The arm that carries link `tool_link`; `joints` are indices into `robot.joints` of `q1 q2`, none to two.
     pub fn new(robot: &Robot, joints: &[usize], tool_link: usize) -> Self {
         let skeleton = Skeleton::new(robot, joints);
         let (carrier, carrier_from_tool) =
@@ -148,7 +148,7 @@ impl Arm {
         Arm { skeleton, carrier, carrier_from_tool }
     }
 
-    /// Jacobian of the tool's position in the body frame, m/rad.
+    /// Jacobian of the tool's position in the body frame, 3 × 2, m/rad.
     pub fn tool_jacobian_in_body(&self, q: &Vector2<f64>) -> Matrix3x2<f64> {
         let frames = self.skeleton.frames(q);
         let tool = self.tool_in_body(q).translation.vector;

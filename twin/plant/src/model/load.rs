@@ -1,4 +1,4 @@
-//! From `urdf-rs` values to [`Robot`]: indices instead of names, one isometry for each origin, meshes read.
+//! Turns the values of `urdf-rs` into a [`Robot`]: indices instead of names, an isometry for each origin, meshes read.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -12,17 +12,17 @@ use super::{
     mesh, tree,
 };
 
-/// Colour of what names none.
+/// Colour of a visual without one.
 const GREY: [f32; 4] = [0.7, 0.7, 0.7, 1.0];
 
 /// Shortest axis; below it the direction is noise.
 const MIN_AXIS_LENGTH: f64 = 1e-9;
 
 impl Robot {
-    /// The robot in the URDF `path`.
+    /// Reads the URDF file `path`.
     ///
     /// # Errors
-    /// Where the file cannot be read, and as [`Robot::parse`].
+    /// [`ModelError`] if the file cannot be read, or for the reasons of [`Robot::parse`].
     pub fn load(path: &Path, packages: &Packages) -> Result<Robot, ModelError> {
         let text = std::fs::read_to_string(path).map_err(|error| ModelError::Unreadable {
             file: path.to_path_buf(),
@@ -31,10 +31,10 @@ impl Robot {
         Robot::parse(&text, path, packages)
     }
 
-    /// The robot in `text`, the content of the URDF `file`; meshes are looked up beside it and in `packages`.
+    /// Reads `text`, the content of the URDF `file`; meshes are looked up beside the file and in `packages`.
     ///
     /// # Errors
-    /// Where the text is not a URDF this crate can simulate; the error names the line.
+    /// [`ModelError`] if the twin cannot simulate the URDF; the error names the line.
     pub fn parse(text: &str, file: &Path, packages: &Packages) -> Result<Robot, ModelError> {
         let source = Source::parse(text, file)?;
         let urdf = urdf_rs::read_from_string(text).map_err(|error| {
@@ -213,7 +213,7 @@ impl Loader<'_> {
         })
     }
 
-    /// The leader's index is its place in `order`, where the finished robot has it.
+    /// Resolves `<mimic>`; the index of the leader is its position in `order`, which is the order of the finished robot.
     fn mimic(
         &self,
         joint: &urdf_rs::Joint,
@@ -279,7 +279,7 @@ fn inertial_of(inertial: &urdf_rs::Inertial) -> Inertial {
     }
 }
 
-/// URDF rpy are angles about the fixed x, y, z in this order, which nalgebra's Euler angles are too.
+/// URDF's rpy are angles about the fixed axes x, y, z in this order; nalgebra's Euler angles are the same.
 fn isometry(pose: &urdf_rs::Pose) -> Isometry3<f64> {
     let [roll, pitch, yaw] = *pose.rpy;
     Isometry3::from_parts(
@@ -288,7 +288,7 @@ fn isometry(pose: &urdf_rs::Pose) -> Isometry3<f64> {
     )
 }
 
-/// Colours by material name: the robot's, then those that links define in place, first definition first.
+/// Colours by name of the material: first those of the robot, then those that links define; the first definition counts.
 fn colours(urdf: &urdf_rs::Robot) -> HashMap<String, [f32; 4]> {
     let in_links = urdf.links.iter().flat_map(|link| &link.visual);
     let in_links = in_links.filter_map(|visual| visual.material.as_ref());

@@ -1,10 +1,10 @@
 //! The vehicle, or a piece of scenery, as its URDF describes it: links, joints, inertias, shapes, kinematics, gravity.
 //!
-//! Nothing here knows the simulator. Frames follow URDF: a link's frame is its parent joint's frame, moved by the joint;
+//! This module does not know the simulator. Frames follow URDF: a link's frame is its parent joint's frame, moved by the joint;
 //! the vehicle's body frame is the root link's frame. SI units, radians.
 //!
-//! A URDF is read twice on purpose: [`check`] reads the raw XML, because only there a missing `<inertial>` differs from
-//! a zero one and only there a finding has a line; `load` then takes the values from `urdf-rs`.
+//! A URDF is read twice on purpose. [`check`] reads the raw XML, because there a missing `<inertial>` differs from a zero one and
+//! a finding has a line; `load` then takes the values from `urdf-rs`.
 
 mod numbers;
 mod check;
@@ -47,13 +47,13 @@ pub struct Robot {
 /// A rigid body or a massless frame fixed to one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Link {
-    /// Unique among links.
+    /// Unique name among the links.
     pub name: String,
-    /// All zero for a massless frame.
+    /// Mass properties; all zero for a massless frame.
     pub inertial: Inertial,
-    /// What is drawn, in the link frame.
+    /// Shapes that viewers draw, in the link frame.
     pub visuals: Vec<Geometry>,
-    /// What touches, in the link frame.
+    /// Shapes that collide, in the link frame.
     pub collisions: Vec<Geometry>,
 }
 
@@ -68,7 +68,7 @@ pub struct Inertial {
     pub inertia_in_link: Matrix3<f64>,
 }
 
-/// A shape, its place and its colour.
+/// A shape with its pose and colour.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Geometry {
     /// `link_from_shape`, m.
@@ -79,7 +79,7 @@ pub struct Geometry {
     pub rgba: [f32; 4],
 }
 
-/// A solid; cylinders and capsules lie along z, all but meshes are centred on their origin.
+/// A solid. Cylinders and capsules lie along z. All shapes but meshes are centred on their origin.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, TS)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 #[ts(rename = "SceneShape")]
@@ -117,10 +117,10 @@ pub enum Shape {
     },
 }
 
-/// What ties a child link to its parent link.
+/// A joint between a parent link and a child link.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Joint {
-    /// Unique among joints.
+    /// Unique name among the joints.
     pub name: String,
     /// How it moves.
     pub kind: JointKind,
@@ -144,14 +144,14 @@ pub struct Joint {
     pub damping: f64,
     /// Dry friction, N m or N.
     pub friction: f64,
-    /// The joint this one copies, if any.
+    /// The mimic relation, if the joint follows another.
     pub mimic: Option<Mimic>,
 }
 
 /// How a joint moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum JointKind {
-    /// Not at all.
+    /// Does not move.
     Fixed,
     /// Turns about its axis between limits.
     Revolute,
@@ -161,10 +161,10 @@ pub enum JointKind {
     Prismatic,
 }
 
-/// `position = multiplier * leader's position + offset`.
+/// Mimic relation: `position = multiplier * leader's position + offset`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mimic {
-    /// Index of the leading joint, which itself copies none.
+    /// Index of the leading joint, which follows no other joint.
     pub joint: usize,
     /// Ratio of the positions.
     pub multiplier: f64,
@@ -189,7 +189,7 @@ impl Robot {
     }
 }
 
-/// Why a URDF is not usable.
+/// Errors of reading a URDF.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ModelError {
     /// The file cannot be opened or is not text.
@@ -197,24 +197,24 @@ pub enum ModelError {
     Unreadable {
         /// The URDF.
         file: PathBuf,
-        /// The system's words.
+        /// The message of the operating system.
         reason: String,
     },
-    /// Something in the file is not allowed.
+    /// An element or attribute is not allowed.
     #[error("{}:{line}: {found}; allowed: {allowed}; {remedy}", .file.display())]
     Refused {
         /// The URDF.
         file: PathBuf,
         /// Line of the element, from 1.
         line: u32,
-        /// What stands there.
+        /// Content that was found there.
         found: String,
-        /// What may stand there.
+        /// Content that is allowed there.
         allowed: String,
-        /// What to do.
+        /// Remedy.
         remedy: String,
     },
-    /// A mesh the URDF names cannot be used.
+    /// A mesh that the URDF names cannot be used.
     #[error("{}:{line}: mesh {mesh:?}: {found}; {remedy}", .file.display())]
     Mesh {
         /// The URDF.
@@ -223,9 +223,9 @@ pub enum ModelError {
         line: u32,
         /// The reference as written.
         mesh: String,
-        /// What is wrong.
+        /// Defect of the mesh.
         found: String,
-        /// What to do.
+        /// Remedy.
         remedy: String,
     },
 }

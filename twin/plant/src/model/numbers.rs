@@ -1,8 +1,8 @@
-//! Every numeric attribute of a URDF: how many numbers, of which sign and size.
+//! The numeric attributes of a URDF: how many numbers each holds, and their range.
 //!
-//! `urdf-rs` skips words that are no number and takes NaN and infinity; nothing gets that far.
+//! `urdf-rs` skips words that are not numbers, and accepts NaN and infinity; these checks refuse all of them first.
 
-/// Largest magnitude of a length, angle, mass or inertia; anything beyond is a slip in the unit or the exponent.
+/// Largest magnitude of a length, angle, mass or inertia; a larger number has a wrong unit or exponent.
 const MAX_MAGNITUDE: f64 = 1e6;
 
 #[derive(Clone, Copy)]
@@ -15,7 +15,7 @@ enum Range {
     Finite,
 }
 
-/// One numeric attribute and what it may hold.
+/// A numeric attribute and the numbers that it may hold.
 pub(super) struct Number {
     pub(super) element: &'static str,
     pub(super) attribute: &'static str,
@@ -76,7 +76,7 @@ impl Number {
         good && count == self.count
     }
 
-    /// What the attribute may hold, in words.
+    /// The allowed content of the attribute, in words.
     pub(super) fn allowed(&self) -> String {
         let plural = if self.count == 1 { "" } else { "s" };
         format!("{} finite number{plural}, {}", self.count, self.range.words())

@@ -1,13 +1,13 @@
-//! Where `package://`, `file://` and relative mesh references lead.
+//! Resolves `package://`, `file://` and relative references to meshes.
 
 use std::path::{Path, PathBuf};
 
-/// Folders that `package://name/…` stands for, by package name; earlier entries win.
+/// Folders of the packages in `package://name/…`, by package name; earlier entries win.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Packages(pub Vec<(String, PathBuf)>);
 
 impl Packages {
-    /// The file that `reference` in the URDF `urdf` names, or what is wrong and what to do.
+    /// The file that `reference` in the URDF `urdf` names, or the defect and its remedy.
     pub(super) fn resolve(
         &self,
         reference: &str,

@@ -1,4 +1,4 @@
-//! Broken URDFs: each is refused at its line, none panics.
+//! Broken URDFs: the loader refuses each at its line, and never panics.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ fn parse(text: &str) -> Result<Robot, ModelError> {
     Robot::parse(text, Path::new("urdf/test.urdf"), &Packages::default())
 }
 
-/// The vehicle with one edit is refused on the line where `anchor` then stands, with these words.
+/// Asserts that the loader refuses the vehicle with one edit, on the line where `anchor` then stands and with these words.
 fn refused(from: &str, to: &str, anchor: &str, words: &str) {
     let text = VEHICLE.replacen(from, to, 1);
     assert_ne!(text, VEHICLE, "{from:?} is not in the vehicle");
@@ -74,7 +74,7 @@ fn tree() {
         "<link name=\"stray\"/>",
         "both without parent",
     );
-    // Below a root that is left alone, link1 hangs on the tool, which hangs on link1.
+    // Apart from the root, link1 is the child of the tool, and the tool hangs on link1.
     refused(
         "<parent link=\"base_link\"/><child link=\"link1\"/>",
         "<parent link=\"tool\"/><child link=\"link1\"/>",
@@ -229,7 +229,7 @@ fn a_missing_file_is_named() {
 }
 
 proptest! {
-    /// Lines swapped, dropped and doubled, characters overwritten: any answer but a panic.
+    /// Lines swapped, dropped and doubled, and characters overwritten: the loader may answer anything, but it must not panic.
     #[test]
     fn edited_files_do_not_panic(
         edits in prop::collection::vec((0..160usize, 0..160usize, 0..3u8), 0..4),

@@ -10,7 +10,7 @@ use super::kinematics::Skeleton;
 use twin_core::elementary::sin_cos;
 use twin_core::notation::{Coords, GRAVITY_M_S2};
 
-/// The vehicle's masses, lumped by the arm joint that carries them.
+/// Mass and centre of mass of the parts of the vehicle, lumped by the arm joint that carries them.
 #[derive(Clone, Debug)]
 pub struct Statics {
     skeleton: Skeleton,
@@ -22,13 +22,13 @@ pub struct Statics {
 struct Lump {
     carrier: Option<usize>,
     mass_kg: f64,
-    /// In the carrier's moved frame, m.
+    /// Centre of mass in the moved frame of the carrier, m.
     com: Vector3<f64>,
 }
 
 impl Statics {
-    /// The statics of `robot` with joints `q1 q2` = `arm_joints` (indices, none to two); other joints rest at zero or at
-    /// their limit nearest to zero.
+    /// The statics of `robot`; `arm_joints` are the indices of `q1 q2`, none to two. Every other joint rests at zero or at its limit
+    /// nearest to zero.
     pub fn new(robot: &Robot, arm_joints: &[usize]) -> Self {
         let skeleton = Skeleton::new(robot, arm_joints);
         let lumps = [None, Some(0), Some(1)].map(|carrier| lump(robot, &skeleton, carrier));
@@ -36,7 +36,7 @@ impl Statics {
         Statics { skeleton, lumps, mass_kg: robot.total_mass_kg() }
     }
 
-    /// Generalised gravity `g(chi)`, N and N m: the force that holds the vehicle still is `+g(chi)`.
+    /// Generalised gravity `g(chi)`, N and N m: the generalised force `+g(chi)` balances the weight of the vehicle.
     pub fn gravity(&self, chi: &Coords) -> Coords {
         let q = Vector2::new(chi[6], chi[7]);
         let frames = self.skeleton.frames(&q);

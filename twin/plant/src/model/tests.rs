@@ -1,4 +1,4 @@
-//! The robots under `urdf/` and the errors of broken ones.
+//! The robots under `urdf/`, and URDFs in an unusual order or form.
 
 use std::path::Path;
 
@@ -17,9 +17,9 @@ const SCENERY: [&str; 3] = [
     include_str!("../../../../urdf/cube.urdf"),
 ];
 
-/// Both sides are some dozen f64 products of numbers near one.
+/// Both sides are sums of some dozen products of numbers near one in f64.
 const ROUNDING: f64 = 1e-12;
-/// The URDF holds angles with ten decimals and the arm is half a metre long.
+/// The URDF holds angles with ten decimals, and the arm is half a metre long.
 const WRITTEN_ANGLE: f64 = 1e-9;
 
 fn parse(text: &str) -> Result<Robot, ModelError> {
@@ -101,7 +101,7 @@ fn the_pads_meet_at_zero_and_open_by_110_mm() {
     }
 }
 
-/// `sum m_i g z_i`, from the pose of every link.
+/// Potential energy `sum m_i g z_i`, J, from the pose of every link.
 fn potential_energy(robot: &Robot, chi: &Coords) -> f64 {
     let mut positions = vec![0.0; robot.joints.len()];
     for (row, joint) in arm_joints(robot).into_iter().enumerate() {
@@ -117,7 +117,7 @@ fn potential_energy(robot: &Robot, chi: &Coords) -> f64 {
     GRAVITY_M_S2 * robot.links.iter().zip(&poses).map(height).sum::<f64>()
 }
 
-/// Step of the central difference and what it leaves of a smooth function of size 30: h² and 1e-16 / h, both below 1e-8.
+/// Step of the central difference; its errors for a smooth function of size 30, h² and 1e-16 / h, are both below 1e-8.
 const STEP: f64 = 1e-5;
 const DIFFERENCE: f64 = 1e-7;
 
@@ -191,14 +191,14 @@ fn order_inertia_mimic_colour_and_mesh_are_read() {
     assert!((child.inertial.inertia_in_link - oracle).norm() < ROUNDING);
     assert!((child.inertial.com_in_link - Vector3::new(1.0, 2.0, 3.0)).norm() < ROUNDING);
 
-    // a turns by 0.3, b by 0.5 - 2 * 0.3.
+    // Joint a turns by 0.3, joint b by 0.5 - 2 * 0.3.
     let poses = link_poses(&robot, &Isometry3::identity(), &[0.3, 9.0]);
     let (_, _, yaw) = poses[1].rotation.euler_angles();
     assert!((yaw - (0.3 + 0.5 - 0.6)).abs() < ROUNDING, "{yaw}");
 
     let drawn = &child.visuals[0];
     let vertices = vec![[0.0, 0.0, -2.0], [2.0, 0.0, -2.0], [0.0, 2.0, -2.0]];
-    // Mirrored: the corners turn the other way, so that the normal still points outward.
+    // A mirrored mesh has its corners in the opposite order, so that the normals still point outward.
     assert_eq!(drawn.shape, Shape::Mesh { vertices, triangles: vec![[0, 2, 1]] });
     assert_eq!(drawn.rgba.map(f32::to_bits), [0.25, 0.5, 0.75, 1.0_f32].map(f32::to_bits));
 }

@@ -1,4 +1,4 @@
-//! The order of the joints: one root, no loop, every parent before its children.
+//! The order of the joints: one root, no loop, and every parent before its children.
 
 use super::check::Source;
 use super::{Joint, Link, ModelError};
@@ -51,7 +51,7 @@ pub(super) fn order(
     }
 }
 
-/// For each link, a link that stands for all links rigidly tied to it: the one nearest the root. `joints` in topological order.
+/// For each link, the link nearest to the root among all links that fixed joints tie to it. `joints` are in topological order.
 pub(super) fn rigid_groups(links: usize, joints: &[Joint]) -> Vec<usize> {
     let mut group: Vec<usize> = (0..links).collect();
     for joint in joints.iter().filter(|joint| joint.kind == super::JointKind::Fixed) {

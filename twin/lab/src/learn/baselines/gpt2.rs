@@ -7,7 +7,7 @@ use super::{causal_mask, readout, ticks};
 use crate::learn::graph::{Leaves, Output};
 use twin_core::residual::learned::Sizes;
 
-/// Forecast and last hidden vector.
+/// Forecast and last hidden vector of `x`, `[batch, channels, t]`.
 pub(super) fn forward(sizes: &Sizes, w: &Leaves, x: Tensor<3>) -> Output {
     let Sizes { d_model: d, heads, layers, .. } = *sizes;
     let [batch, _, t] = x.dims();

@@ -1,5 +1,5 @@
 //! LSTM over the last ticks. Hochreiter and Schmidhuber, Long Short-Term Memory, Neural Computation 9(8), 1997; with the forget
-//! gate of Gers, Schmidhuber and Cummins, 2000. Its last hidden state is the regime that the adapter corrects on.
+//! gate of Gers, Schmidhuber and Cummins, 2000. Its last hidden state is the regime that the adapter uses.
 
 use burn_tensor::Tensor;
 use burn_tensor::activation::sigmoid;
@@ -8,7 +8,7 @@ use super::{readout, ticks};
 use crate::learn::graph::{Leaves, Output};
 use twin_core::residual::learned::Sizes;
 
-/// Forecast and last hidden vector.
+/// Forecast and last hidden vector of `x`, `[batch, channels, t]`.
 pub(super) fn forward(sizes: &Sizes, w: &Leaves, x: Tensor<3>) -> Output {
     let (d, [batch, _, t]) = (sizes.d_model, x.dims());
     let inputs: Tensor<3> = w.linear("lstm.input", ticks(x)).reshape([batch, t, 4 * d]);

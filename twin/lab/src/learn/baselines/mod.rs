@@ -1,4 +1,4 @@
-//! The learned baselines of the paper's tables as they are trained, one file each; what flies is `residual::learned`.
+//! The learned baselines of the paper's tables for training, one file each. `residual::learned` has the form that flies.
 
 mod mlp;
 mod lstm;
@@ -13,7 +13,7 @@ use super::graph::{Leaves, Network, Output};
 use twin_core::residual::learned::{self, Sizes};
 use twin_core::residual::weights::ModelKind;
 
-/// The network of a baseline for so many channels, rows and flights.
+/// The network of the baseline `config.model`, for this number of channels, outputs and flights.
 pub fn network(
     config: &TrainConfig,
     channels: usize,
@@ -47,7 +47,7 @@ pub fn network(
 /// The forward pass of a baseline: forecast and last hidden vector of the histories `[batch, channels, t]`.
 type Forward = fn(&Sizes, &Leaves, Tensor<3>) -> Output;
 
-/// A baseline of which only the forward pass is its own: it is trained as [`Network::loss`] says.
+/// A baseline that has only a forward pass of its own, and is trained with the default [`Network::loss`].
 struct Plain {
     sizes: Sizes,
     tensors: Vec<(String, Vec<usize>)>,
@@ -68,24 +68,24 @@ impl Network for Plain {
     }
 }
 
-/// Sizes as the head of a file states them.
+/// Sizes in the form of a file's head.
 fn head(sizes: &Sizes) -> serde_json::Value {
     serde_json::to_value(sizes).unwrap_or_default()
 }
 
-/// `readout` of a last hidden vector: `[batch, horizon + 1, outputs]`.
+/// Forecast `[batch, horizon + 1, outputs]` that the layer `readout` makes from the last hidden vector.
 fn readout(w: &Leaves, sizes: &Sizes, hidden: Tensor<2>) -> Tensor<3> {
     let batch = hidden.dims()[0];
     w.linear("readout", hidden).reshape([batch, sizes.horizon + 1, sizes.outputs])
 }
 
-/// The ticks of a batch `[batch, channels, t]` as rows `[batch * t, channels]`, the tick running fastest.
+/// Reshapes a batch `[batch, channels, t]` to `[batch * t, channels]`; the tick runs fastest.
 fn ticks(x: Tensor<3>) -> Tensor<2> {
     let [batch, channels, t] = x.dims();
     x.swap_dims(1, 2).reshape([batch * t, channels])
 }
 
-/// `[n, n]`: 0 where a tick may look, a large negative number where it would look ahead.
+/// `[n, n]`: 0 where a tick attends to itself or an earlier one, a large negative number where it would attend to a later one.
 fn causal_mask(w: &Leaves, n: usize) -> Tensor<2> {
     let ahead = |i: usize| if i % n > i / n { -1e9 } else { 0.0 };
     super::graph::vector((0..n * n).map(ahead).collect(), &w.device()).reshape([n, n])

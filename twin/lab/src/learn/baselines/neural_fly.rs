@@ -1,10 +1,10 @@
 //! Neural-Fly's DAIML. O'Connell, Shi, Shi, Azizzadenesheli, Anandkumar, Yue and Chung, Neural-Fly Enables Rapid Learning for
 //! Agile Flight in Strong Winds, Science Robotics 7(66), 2022, algorithm 1.
 //!
-//! Features `phi(x)` of the present tick; per flight ("domain") of a batch the last layer `a*` is the ridge least squares
-//! solution on one half of its windows and is judged on the other half, with the gradient through the solution; a
-//! discriminator guesses the flight from `phi` and `phi` is trained against it; every layer's spectral norm is held at most at
-//! [`SPECTRAL_NORM`]. `readout` is trained beside it on `phi` alone: what the last layer starts from in flight.
+//! The features `phi(x)` depend on the present tick. For each flight ("domain") of a batch, the last layer `a*` is the ridge least
+//! squares solution on one half of the windows, and its loss is taken on the other half; the gradient passes through the solution.
+//! A discriminator guesses the flight from `phi`, and `phi` is trained against it. The spectral norm of every layer is at most
+//! [`SPECTRAL_NORM`]. `readout` is trained together with them on fixed `phi`; in flight the last layer starts from it.
 
 use burn_tensor::Tensor;
 use burn_tensor::activation::{log_softmax, relu};
@@ -14,13 +14,13 @@ use crate::learn::graph::{Inputs, Leaves, Network, Output, mean_square, vector};
 use crate::learn::parameters::Parameters;
 use twin_core::residual::learned::{Sizes, neural_fly};
 
-/// Most by which a layer may lengthen a vector (the paper: 2).
+/// Largest spectral norm of a layer (2 in the paper).
 const SPECTRAL_NORM: f64 = 2.0;
 
-/// Weight of the adversarial term (the paper: 0.1).
+/// Weight of the adversarial term (0.1 in the paper).
 const ADVERSARIAL: f64 = 0.1;
 
-/// Ridge of the least squares solution, per window.
+/// Ridge of the least squares solution, for each window.
 const RIDGE: f64 = 1e-2;
 
 /// Steps of the power iteration.
@@ -46,7 +46,7 @@ fn features(w: &Leaves, x: Tensor<3>) -> Tensor<2> {
 }
 
 impl NeuralFly {
-    /// Mean squared error of one flight: `a*` from the first half of its windows, judged on the second.
+    /// Mean squared error of one flight: `a*` is solved on the first half of its windows, and the error is taken on the second.
     fn adapted_loss(&self, phi: &Tensor<2>, y: &Tensor<2>, rows: &[usize]) -> Option<Tensor<1>> {
         let (fit, judge) = rows.split_at(rows.len() / 2);
         if fit.is_empty() || judge.is_empty() {
@@ -54,7 +54,7 @@ impl NeuralFly {
         }
         let device = phi.device();
         let take = |from: &Tensor<2>, rows: &[usize]| -> Tensor<2> {
-            // Rows are picked by a matrix of ones and zeros: its gradient is exact and cheap at this size.
+            // A matrix of ones and zeros picks the windows; its gradient is exact, and it is cheap at this size.
             let n = from.dims()[0];
             let mut pick = vec![0.0; rows.len() * n];
             for (at, row) in rows.iter().enumerate() {
@@ -73,7 +73,7 @@ impl NeuralFly {
         Some(error.square().mean())
     }
 
-    /// Cross entropy of guessing the flight from the features.
+    /// Cross entropy of the discriminator's guess of the flight.
     fn guess_loss(&self, w: &Leaves, phi: Tensor<2>, flights: &[usize]) -> Tensor<1> {
         let guessed = w.linear("guess.out", relu(w.linear("guess.hidden", phi)));
         let mut truth = vec![0.0; flights.len() * self.flights];
@@ -141,7 +141,7 @@ impl Network for NeuralFly {
         let adapted: Vec<Tensor<1>> = (0..self.flights)
             .filter_map(|flight| self.adapted_loss(&phi, &flat, &rows(flight)))
             .collect();
-        // The last layer of the file, and the discriminator, learn from features they do not change.
+        // The last layer of the file and the discriminator learn from fixed features.
         let still = phi.clone().detach();
         let start = mean_square(readout(w, &self.sizes, still.clone()) - y);
         let guess = self.guess_loss(w, still, &flights);
@@ -202,13 +202,13 @@ mod tests {
         let a = vector(vec![4.0, 1.0, 1.0, 3.0], &device(false)).reshape([2, 2]);
         let b = vector(vec![6.0, 7.0], &device(false)).reshape([2, 1]);
         let x = values(solve(a, b));
-        // Roundings of f32 of numbers below 10.
+        // The error is a few roundings of f32, for numbers below 10.
         assert!((x[0] - 1.0).abs() < 1e-5 && (x[1] - 2.0).abs() < 1e-5, "{x:?}");
     }
 
     #[test]
     fn the_largest_singular_value_of_a_diagonal_is_its_largest_entry() {
-        // Ratio 3 of the singular values: eight steps leave 3^-16 of the start's error.
+        // The ratio of the singular values is 3, so eight steps leave 3^-16 of the initial error.
         let found = spectral_norm(&[3.0, 0.0, 0.0, -1.0], 2);
         assert!((found - 3.0).abs() < 1e-6, "{found}");
     }

@@ -1,5 +1,5 @@
 //! Causal Transformer over time. Vaswani et al., Attention Is All You Need, Advances in Neural Information Processing Systems
-//! 30, 2017: one token per tick, sinusoidal positions, layer normalisation after each sum, rectified. The last token is read.
+//! 30, 2017: one token per tick, sinusoidal positions, layer normalisation after each sum, ReLU. The last token is read.
 
 use burn_tensor::Tensor;
 use burn_tensor::activation::relu;
@@ -8,7 +8,7 @@ use super::{causal_mask, readout, ticks};
 use crate::learn::graph::{Leaves, Output, vector};
 use twin_core::residual::learned::{Sizes, transformer};
 
-/// Forecast and last hidden vector.
+/// Forecast and last hidden vector of `x`, `[batch, channels, t]`.
 pub(super) fn forward(sizes: &Sizes, w: &Leaves, x: Tensor<3>) -> Output {
     let Sizes { d_model: d, heads, layers, .. } = *sizes;
     let [batch, _, t] = x.dims();

@@ -1,6 +1,6 @@
 //! COLLADA (.dae): triangles and polygons of the scene, node transforms and unit applied.
 //!
-//! As the ROS viewers do, coordinates are taken as written: `up_axis` turns nothing. Materials are not read.
+//! Coordinates are taken as written, and `up_axis` rotates nothing: the ROS viewers do the same. Materials are not read.
 
 use std::collections::HashMap;
 
@@ -11,9 +11,9 @@ use super::Triangles;
 
 /// Deepest nesting of scene nodes.
 const MAX_DEPTH: usize = 64;
-/// Most numbers for each corner; exporters write up to six.
+/// Most inputs of a corner; exporters write up to six.
 const MAX_INPUTS: usize = 64;
-/// Most triangles of one file: instances multiply, so that a small file can ask for many.
+/// Most triangles of one file. A node may instance a mesh many times, so a small file can ask for very many.
 const MAX_TRIANGLES: usize = 2_000_000;
 
 pub(super) fn parse(bytes: &[u8]) -> Result<Triangles, String> {
@@ -178,7 +178,7 @@ impl<'n, 'i> Reader<'n, 'i> {
     }
 }
 
-/// A node's own transforms, in the order they are written.
+/// A node's own transforms, in the order in which they are written.
 fn local_transform(node: Node<'_, '_>) -> Result<Matrix4<f64>, String> {
     let mut transform = Matrix4::identity();
     for child in node.children().filter(Node::is_element) {
@@ -232,7 +232,7 @@ mod tests {
 <node><translate>0 0 5</translate><rotate>0 0 1 90</rotate><instance_geometry url="#g"/></node></node></visual_scene></library_visual_scenes>
 <scene><instance_visual_scene url="#scene"/></scene></COLLADA>"##;
 
-    /// A rotation by 90° in f64.
+    /// A rotation by 90° in f64 is exact to a few roundings.
     const ROUNDING: f64 = 1e-12;
 
     #[test]

@@ -1,4 +1,4 @@
-//! Triangle meshes from STL, OBJ and COLLADA files. Own readers: the published ones panic on broken files.
+//! Triangle meshes from STL, OBJ and COLLADA files. The readers are our own, because the published ones panic on broken files.
 
 mod stl;
 mod obj;
@@ -8,10 +8,10 @@ use std::path::Path;
 
 use super::Shape;
 
-/// What is wrong, and what to do.
+/// Defect and remedy.
 pub(super) type Finding = (String, String);
 
-/// A mesh as its file holds it.
+/// A mesh with the coordinates of its file.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct Triangles {
     vertices: Vec<[f64; 3]>,
@@ -19,7 +19,8 @@ pub(super) struct Triangles {
 }
 
 impl Triangles {
-    /// The shape, each axis multiplied; a mirrored mesh keeps its outside outside.
+    /// The shape with each axis multiplied by its scale. The triangles of a mirrored mesh are reversed, so their normals still point
+    /// outward.
     pub(super) fn scaled(mut self, scale: [f64; 3]) -> Shape {
         for vertex in &mut self.vertices {
             *vertex = [0, 1, 2].map(|axis| vertex[axis] * scale[axis]);
@@ -37,7 +38,7 @@ impl Triangles {
     }
 }
 
-/// The triangles in the file `path`, by its extension.
+/// Reads the triangles of the file `path`; its extension selects the format.
 pub(super) fn read(path: &Path) -> Result<Triangles, Finding> {
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or("");
     let reader = match extension.to_ascii_lowercase().as_str() {

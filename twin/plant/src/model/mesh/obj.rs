@@ -31,7 +31,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Triangles, String> {
     Ok(mesh)
 }
 
-/// Index from 0 of `7`, `7/1`, `7//3`, or `-1` for the newest vertex.
+/// The index from 0 of the corner `7`, `7/1` or `7//3`; `-1` is the newest vertex.
 fn corner(word: &str, vertices: usize) -> Option<u32> {
     let number: i64 = word.split('/').next()?.parse().ok()?;
     let count = i64::try_from(vertices).ok()?;

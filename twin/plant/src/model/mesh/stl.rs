@@ -1,14 +1,14 @@
-//! STL, binary and text. <https://www.loc.gov/preservation/digital/formats/fdd/fdd000506.shtml>
+//! STL, binary and text. Source: <https://www.loc.gov/preservation/digital/formats/fdd/fdd000506.shtml>
 
 use super::Triangles;
 
-/// Free text before the triangle count.
+/// Length of the free text before the triangle count.
 const HEADER_BYTES: usize = 80;
-/// Normal, three corners (12 × f32) and a 16-bit attribute.
+/// Length of a triangle: normal and three corners (12 × f32), and a 16-bit attribute.
 const TRIANGLE_BYTES: usize = 50;
 
 pub(super) fn parse(bytes: &[u8]) -> Result<Triangles, String> {
-    // A binary header may begin with "solid" too; the length is what tells.
+    // A binary header may begin with "solid" too; the length of the file distinguishes the two.
     let body = bytes.get(HEADER_BYTES + 4..);
     if let (Some(count), Some(body)) = (u32_at(bytes, HEADER_BYTES), body)
         && body.len() == (count as usize).saturating_mul(TRIANGLE_BYTES)
@@ -98,7 +98,7 @@ mod tests {
     #[test]
     fn a_file_cut_anywhere_is_refused() {
         for whole in [as_binary(), as_text().into_bytes()] {
-            // The text's last words are the solid's name, which may be missing.
+            // The text ends with the name of the solid, which may be missing.
             let needed = whole.len() - 3;
             for length in 0..needed {
                 assert!(parse(&whole[..length]).is_err(), "accepted {length} bytes");
