@@ -7,6 +7,9 @@
 //! **Generalised force.** `tau = [F_x F_y F_z | tau_phi tau_theta tau_psi | tau_q1 tau_q2]` is dual to `chi`: world
 //! force in N, `E(eta)^T` times the body moment in N m, joint torque in N m.
 //!
+//! **Known and unknown.** What a source does not say is unknown: [`KnownCoords`] says it per row, from the measurement to the
+//! wire and the file. It is NaN to whoever reads it as a number and `null` in files, never zero and never the last value.
+//!
 //! **Names.** A public field is a word with its unit (`payload_kg`); a local in a formula is the paper's letter.
 //! Rotations and poses read right to left: `world_from_body * vector_in_body = vector_in_world`.
 //!
@@ -17,8 +20,12 @@
 //! - The innovation of the RLS step is a priori (it uses `W_{t-1}`).
 //! - Reset and adapted forecast follow the order of Algorithm 1, lines 6 to 8.
 
+mod known;
+
 use crate::elementary::{asin, atan2, sin_cos};
 use nalgebra::{Matrix3, SVector, Vector3};
+
+pub use known::{KnownCoords, KnownRows, known_in_both};
 
 /// Number of generalised coordinates, `n = 6 + n_arm`.
 pub const N: usize = 8;
