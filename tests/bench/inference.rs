@@ -112,7 +112,7 @@ impl Both {
 
     fn step(&mut self) {
         let forecast = self.fdt.predict(&self.history);
-        let residual = Coords::repeat(0.5);
+        let residual = Coords::repeat(0.5).into();
         black_box(self.adapter.step(&forecast, &residual, 0.01, false, &self.settings));
     }
 }

@@ -113,8 +113,9 @@ fn check(ticks: &[Tick], commands: &Commands, fault: Fault) {
             .force_in_world_n
             .iter()
             .chain(&tick.setpoint.r_hat)
-            .chain(&tick.adapted.r_hat);
-        assert!(numbers.chain(&tick.measurement.chi).all(|x| x.is_finite()), "tick {}", tick.index);
+            .chain(tick.adapted.r_hat.iter());
+        let mut numbers = numbers.chain(tick.measurement.chi.iter());
+        assert!(numbers.all(|x| x.is_finite()), "tick {}", tick.index);
         assert!(
             tick.adapted.frozen || tick.fault.is_none(),
             "the adapter learned from tick {}",
@@ -193,13 +194,14 @@ impl Source for Dead {
         );
         Measurement {
             t_s: 0.0,
-            chi: Coords::repeat(f64::NAN),
-            chi_dot: Coords::repeat(f64::NAN),
-            chi_ddot: Coords::repeat(f64::NAN),
-            tau_applied: Coords::repeat(f64::NAN),
+            chi: Coords::repeat(f64::NAN).into(),
+            chi_dot: Coords::repeat(f64::NAN).into(),
+            chi_ddot: Coords::repeat(f64::NAN).into(),
+            tau_applied: Coords::repeat(f64::NAN).into(),
             gripper: twin_core::tick::GripperReading::default(),
             payload: None,
             saturated: false,
+            airborne: true,
         }
     }
 

@@ -37,7 +37,7 @@ fn a_controller_with_its_sign_flipped_is_caught_with_metric_bound_value_and_seco
     let end = loop {
         let tick = flight.tick();
         let truth = tick.truth.as_ref().expect("it is simulated");
-        let error = (truth.chi - tick.reference.chi_des).fixed_rows::<3>(0).norm();
+        let error = (truth.chi - *tick.reference.chi_des).fixed_rows::<3>(0).norm();
         if error > 0.3 && crossed_s.is_none() {
             crossed_s = Some(tick.measurement.t_s);
         }

@@ -248,6 +248,53 @@ fn nothing_is_known_or_learned_inside_a_hole() {
     assert!(inside > 290 && report.held_ticks >= inside && report.fault_ticks == 0);
 }
 
+/// A record in which each row is a number where `known` says so, and `null` elsewhere.
+fn assert_known(value: &serde_json::Value, known: impl Fn(usize) -> bool, name: &str) {
+    for row in 0..8 {
+        assert_eq!(value[row].is_number(), known(row), "{name} {row}: {value}");
+        assert_eq!(value[row].is_null(), !known(row), "{name} {row}: {value}");
+    }
+}
+
+#[test]
+fn a_tick_says_no_number_that_the_recording_does_not_say() {
+    // The oracle is the recording on its ticks, in which each number is there or `None`.
+    let path = file("known.mcap", &flight(Form { hole_s: Some((6.0, 9.0)), ..PLAIN }));
+    let (_, mut recorded) = read(&path, &generic());
+    // A rate alone is missing, and the vehicle stands on the ground for a while.
+    recorded.instants[300].chi_dot[1] = None;
+    recorded.airborne[400..450].fill(false);
+    let mut ticks = Vec::new();
+    shadow(&recorded, None, &mut |tick| ticks.push(serde_json::to_value(tick).expect("JSON")));
+    assert_eq!(ticks.len(), recorded.instants.len());
+    for (index, (tick, said)) in ticks.iter().zip(&recorded.instants).enumerate() {
+        let measurement = &tick["measurement"];
+        for (field, rows) in [
+            ("chi", &said.chi),
+            ("chi_dot", &said.chi_dot),
+            ("chi_ddot", &said.chi_ddot),
+            ("tau_applied", &said.tau),
+        ] {
+            assert_known(
+                &measurement[field],
+                |row| rows[row].is_some(),
+                &format!("{index} {field}"),
+            );
+        }
+        let residual = |row: usize| recorded.residual_counts(index, row);
+        assert_known(&tick["residual"], residual, &format!("{index} residual"));
+        for estimate in ["r_hat", "r_hat_prior", "innovation"] {
+            assert_known(&tick["adapted"][estimate], residual, &format!("{index} {estimate}"));
+        }
+        for base in tick["forecast"]["base"].as_array().expect("a horizon") {
+            assert_known(base, residual, &format!("{index} base"));
+        }
+        let moved = |row: usize| said.chi[row].is_some();
+        assert_known(&tick["control"]["error"], moved, &format!("{index} error"));
+        assert_known(&tick["reference"]["chi_des"], moved, &format!("{index} expected"));
+    }
+}
+
 #[test]
 fn a_survey_counts_what_was_written_and_names_the_empty_channel() {
     let path = file("survey.mcap", &flight(PLAIN));

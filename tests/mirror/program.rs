@@ -2,6 +2,10 @@
 
 use std::process::{Command, Output, Stdio};
 
+use twin_foreign::OpenedFlight;
+use twin_foreign::Shadow;
+use twin_record::read_ticks;
+
 use super::made::{Form, PLAIN, file, flight};
 
 fn twin(arguments: &[&str]) -> (Output, String) {
@@ -121,6 +125,11 @@ fn what_is_unknown_in_a_flight_is_unknown_in_its_recording_its_page_and_its_csv(
         "12.5",
     ]);
     assert_eq!(first.status.code(), Some(0), "{first:?}");
+    // What was flown comes back from the file, tick by tick, the same rows known and equal.
+    let opened = OpenedFlight::open(std::path::Path::new(&path), None).expect("a flight");
+    let mut flown = Vec::new();
+    Shadow::of(&opened).fly(&mut |tick| flown.push(tick.clone())).expect("ticks");
+    assert!(read_ticks(std::path::Path::new(&record)).expect("a recording") == flown);
     let (again, _) = twin(&["mirror", &record, "--headless", "--json"]);
     let (first, again) = (json(&first), json(&again));
     for row in 0..8 {

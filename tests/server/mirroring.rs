@@ -82,10 +82,16 @@ fn a_recording_says_what_it_is_and_shows_unknown_rows_as_unknown() {
     let value = |name: &str| row[channel(&sought, name)];
     assert!((value("residual.z") - 9.81).abs() < 0.1, "{}", value("residual.z"));
     assert!(value("chi.phi").is_finite());
-    for unknown in
-        ["residual.phi", "r_hat.q1", "chi.q1", "joint_torque.1", "sliding_norm", "wind.x"]
-    {
+    let of_the_residual =
+        ["residual.psi", "base.psi", "adapted.psi", "innovation.psi", "r_hat.psi"];
+    let of_a_missing_arm = ["chi.q1", "chi_des.q1", "error.q1", "residual.q1", "r_hat.q1"];
+    let of_another_controller = ["joint_torque.1", "sliding_norm", "wind.x"];
+    for unknown in [&of_the_residual[..], &of_a_missing_arm, &of_another_controller].concat() {
         assert!(value(unknown).is_nan(), "{unknown}");
+    }
+    // The yaw is measured, although no torque about it is: it can be compared with the yaw that was expected.
+    for known in ["chi.psi", "chi_des.psi", "error.psi"] {
+        assert!(value(known).is_finite(), "{known}");
     }
     // The ghost of half a second before is near a vehicle that obeys physics.
     assert!(value("error.x").abs() < 0.05, "{}", value("error.x"));
@@ -139,7 +145,8 @@ fn inside_a_hole_nothing_is_shown_as_if_it_were_live() {
     console.send(r#"{"type":"seek","t_s":7.5}"#);
     let hello = console.message("hello");
     let (row, _) = rows_to(&mut console, &hello["schema_id"], 750);
-    for name in ["chi.x", "chi.phi", "residual.z", "adapted.z", "chi_des.x"] {
+    for name in ["chi.x", "chi.phi", "residual.z", "adapted.z", "chi_des.x", "error.psi", "r_hat.z"]
+    {
         assert!(row[channel(&hello, name)].is_nan(), "{name}");
     }
 }

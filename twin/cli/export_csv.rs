@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 use clap::Args;
-use twin_core::notation::{Coords, N, ROWS};
+use twin_core::notation::{KnownCoords, N, ROWS};
 use twin_core::tick::Tick;
 use twin_foreign::OpenedFlight;
 use twin_foreign::Shadow;
@@ -26,18 +26,18 @@ pub(super) struct CsvArgs {
     map: Option<String>,
 }
 
-/// One group of eight columns: stem and where its numbers are; the flag says that they need a known residual.
-type Group = (&'static str, bool, fn(&Tick) -> Coords);
+/// One group of eight columns: stem and where its numbers are.
+type Group = (&'static str, fn(&Tick) -> KnownCoords);
 
 const GROUPS: [Group; 8] = [
-    ("chi", false, |tick| tick.measurement.chi),
-    ("chi_dot", false, |tick| tick.measurement.chi_dot),
-    ("chi_ddot", true, |tick| tick.measurement.chi_ddot),
-    ("tau_applied", true, |tick| tick.measurement.tau_applied),
-    ("residual", true, |tick| tick.residual),
-    ("r_hat_prior", true, |tick| tick.adapted.r_hat_prior),
-    ("r_hat", true, |tick| tick.adapted.r_hat),
-    ("innovation", true, |tick| tick.adapted.innovation),
+    ("chi", |tick| tick.measurement.chi),
+    ("chi_dot", |tick| tick.measurement.chi_dot),
+    ("chi_ddot", |tick| tick.measurement.chi_ddot),
+    ("tau_applied", |tick| tick.measurement.tau_applied),
+    ("residual", |tick| tick.residual),
+    ("r_hat_prior", |tick| tick.adapted.r_hat_prior),
+    ("r_hat", |tick| tick.adapted.r_hat),
+    ("innovation", |tick| tick.adapted.innovation),
 ];
 
 pub(super) fn run(args: &CsvArgs) -> anyhow::Result<End> {
@@ -74,32 +74,30 @@ fn columns() -> Vec<String> {
 
 /// The number of ticks written.
 fn write(args: &CsvArgs, out: &mut dyn Write) -> anyhow::Result<usize> {
-    let all = ([true; N], [true; N]);
     let opened = OpenedFlight::open(&args.file, args.map.as_deref())?;
     writeln!(out, "{}", columns().join(","))?;
     if opened.is_own() {
         let ticks = read_recording(&args.file)?.ticks;
         for tick in &ticks {
-            writeln!(out, "{}", line(tick, &all))?;
+            writeln!(out, "{}", line(tick))?;
         }
         return Ok(ticks.len());
     }
     let shadow = Shadow::of(&opened);
     let mut flight = shadow.flight(0, shadow.tuning()).context("no tick to fly")?;
-    for index in 0..shadow.ticks() {
-        let tick = flight.tick();
-        writeln!(out, "{}", line(&tick, &shadow.film().known(index)))?;
+    for _ in 0..shadow.ticks() {
+        writeln!(out, "{}", line(&flight.tick()))?;
     }
     Ok(shadow.ticks())
 }
 
-/// A line; `known` says per row whether coordinate and residual are.
-fn line(tick: &Tick, (coordinate, residual): &([bool; N], [bool; N])) -> String {
+/// A line; what is unknown, or no number, is an empty cell.
+fn line(tick: &Tick) -> String {
     let mut cells = vec![tick.index.to_string(), tick.measurement.t_s.to_string()];
-    for (_, of_residual, take) in GROUPS {
-        let (values, known) = (take(tick), if of_residual { residual } else { coordinate });
+    for (_, take) in GROUPS {
+        let values = take(tick);
         let cell = |row: usize| {
-            let value = Some(values[row]).filter(|v| known[row] && v.is_finite());
+            let value = values.get(row).filter(|v| v.is_finite());
             value.map_or_else(String::new, |v| v.to_string())
         };
         cells.extend((0..N).map(cell));

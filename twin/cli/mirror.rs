@@ -11,7 +11,6 @@ use twin_console::server::{MirrorOptions, serve_mirror};
 use twin_core::residual::PredictorInfo;
 use twin_core::tick::Tick;
 use twin_foreign::live::{From, is_address};
-use twin_foreign::shadow::masked;
 use twin_foreign::{Live, OpenedFlight, stand_in};
 use twin_foreign::{Shadow, ShadowReport};
 use twin_lab::evaluate::mirrored::FlightPicture;
@@ -179,17 +178,14 @@ fn fly(
         None => None,
     };
     let mut trouble = None;
-    let mut index = 0;
     let mut keep = |tick: &Tick| {
-        let known = shadow.film().known(index);
-        index += 1;
         if let Some(picture) = &mut picture {
-            picture.add(tick, known.1[2]);
+            picture.add(tick);
         }
         if let Some(recorder) = &mut recorder
             && trouble.is_none()
         {
-            trouble = recorder.record(Arc::new(masked(tick, known))).err();
+            trouble = recorder.record(Arc::new(tick.clone())).err();
         }
     };
     let report = shadow

@@ -233,7 +233,7 @@ predictor: string,
  */
 force: string, 
 /**
- * Rows whose residual is never known; their channels are NaN.
+ * Rows whose residual is never known; the channels of residual and estimates are NaN there.
  */
 unknown_rows: Array<string>, 
 /**

@@ -7,12 +7,13 @@
 
 mod schedule;
 mod parts;
+mod stand_ins;
 
 pub use parts::{Parts, Stage};
 pub use schedule::{Condition, Trigger};
 
 use crate::control::{Input, Rows};
-use crate::notation::{Coords, MAX_ROTORS, TICK_S};
+use crate::notation::{Coords, KnownCoords, MAX_ROTORS, TICK_S};
 use crate::residual::{History, Predictor, label};
 use crate::source::Disturbance;
 use crate::task::View;
@@ -22,6 +23,7 @@ use crate::tick::{
 };
 use crate::tuning::Tuning;
 use schedule::Schedule;
+use stand_ins::StandIns;
 
 /// Beyond this pitch Euler angles lose their meaning, rad.
 const PITCH_LIMIT_RAD: f64 = 80.0 * std::f64::consts::PI / 180.0;
@@ -31,6 +33,7 @@ pub struct Flight {
     parts: Parts,
     schedule: Schedule,
     history: History,
+    stand_ins: StandIns,
     index: u64,
     setpoint: Setpoint,
     last_good: Option<Measurement>,
@@ -50,6 +53,7 @@ impl Flight {
         Self {
             schedule: Schedule::new(timed, std::mem::take(&mut parts.triggers)),
             history: History::new(parts.history_len),
+            stand_ins: StandIns::new(),
             index: 0,
             setpoint: parts.setpoint,
             last_good: None,
@@ -154,16 +158,20 @@ impl Flight {
     fn outer(
         &mut self,
         measurement: &Measurement,
-        residual: Coords,
+        residual: KnownCoords,
         reference: &Reference,
         done: &mut dyn FnMut(Stage),
     ) -> Outer {
         let tuning = self.parts.tuning;
         let dt_s = TICK_S * self.parts.outer_divisor as f64;
         // Line 3: residual into the history. Line 4: base forecast and regime.
-        self.history.push(measurement.chi, measurement.chi_dot, measurement.tau_applied, residual);
-        let nominal_gravity = (self.parts.gravity)(&measurement.chi);
-        let forecast = self.forecast(&nominal_gravity);
+        let chi = self.stand_ins.coordinates(&measurement.chi);
+        let nominal_gravity = (self.parts.gravity)(&chi);
+        let inertia = &tuning.gains.nominal_inertia;
+        let seen = stand_ins::remembered(measurement, &residual, &nominal_gravity, inertia);
+        self.history.push(chi, seen.chi_dot, seen.tau, seen.residual);
+        let mut forecast = self.forecast(&nominal_gravity);
+        forecast.base.iter_mut().for_each(|base| *base = base.only(residual.known()));
         done(Stage::Predict);
         // Lines 5 to 8: adapt.
         let mut reference = *reference;
@@ -176,17 +184,19 @@ impl Flight {
         let r_hat = usable(&adapted, &nominal_gravity);
         done(Stage::Adapt);
         // Lines 9 to 11: control.
+        let (measured, asked) = stand_ins::for_control(measurement, &reference, &nominal_gravity);
         let input = Input {
-            measurement,
-            reference: &reference,
+            measurement: &measured,
+            reference: &asked,
             r_hat: &r_hat,
-            residual: &residual,
+            residual: &seen.residual,
             nominal_gravity: &nominal_gravity,
             desired_attitude: self.parts.rows.desired_attitude(),
             dt_s,
         };
         let (setpoint, control) = self.parts.controller.control(&input, &tuning.gains);
         self.accept(&setpoint);
+        let control = stand_ins::as_known(control, measurement, &reference);
         done(Stage::Control);
         Outer { residual, forecast, adapted, control }
     }
@@ -195,7 +205,7 @@ impl Flight {
     fn check(&mut self, measured: Measurement) -> Measurement {
         let finite = [&measured.chi, &measured.chi_dot, &measured.chi_ddot, &measured.tau_applied]
             .iter()
-            .all(|v| v.iter().all(|x| x.is_finite()));
+            .all(|v| v.is_finite());
         let fault = if !finite {
             Some(Fault::NonFiniteMeasurement)
         } else if measured.chi[4].abs() > PITCH_LIMIT_RAD {
@@ -215,10 +225,10 @@ impl Flight {
         match &self.last_good {
             Some(good) => Measurement { t_s, ..good.clone() },
             None => Measurement {
-                chi: Coords::zeros(),
-                chi_dot: Coords::zeros(),
-                chi_ddot: Coords::zeros(),
-                tau_applied: Coords::zeros(),
+                chi: Coords::zeros().into(),
+                chi_dot: Coords::zeros().into(),
+                chi_ddot: Coords::zeros().into(),
+                tau_applied: Coords::zeros().into(),
                 ..measured
             },
         }
@@ -243,7 +253,7 @@ impl Flight {
 
     fn forecast(&mut self, nominal_gravity: &Coords) -> Forecast {
         let forecast = self.parts.predictor.predict(&self.history);
-        let finite = forecast.base.iter().all(|r| r.iter().all(|x| x.is_finite()))
+        let finite = forecast.base.iter().all(KnownCoords::is_finite)
             && forecast.regime.iter().chain(&forecast.attention).all(|x| x.is_finite());
         if finite && !forecast.base.is_empty() {
             if self.fault == Some(Fault::NonFinitePrediction) {
@@ -255,7 +265,7 @@ impl Flight {
             self.set_fault(Some(Fault::NonFinitePrediction));
         }
         Forecast {
-            base: vec![*nominal_gravity; forecast.base.len().max(1)],
+            base: vec![(*nominal_gravity).into(); forecast.base.len().max(1)],
             regime: vec![0.0; forecast.regime.len()],
             attention: Vec::new(),
         }
@@ -286,8 +296,8 @@ impl Flight {
         for value in measurement
             .chi
             .iter()
-            .chain(&measurement.chi_dot)
-            .chain(&adapted.r_hat)
+            .chain(measurement.chi_dot.iter())
+            .chain(adapted.r_hat.iter())
             .chain(&self.setpoint.r_hat)
         {
             self.hash = fnv(self.hash, value.to_bits());
@@ -317,7 +327,7 @@ impl Flight {
 /// Result of the outer loop, held between its periods.
 #[derive(Clone)]
 struct Outer {
-    residual: Coords,
+    residual: KnownCoords,
     forecast: Forecast,
     adapted: Adapted,
     control: ControlState,
@@ -325,16 +335,16 @@ struct Outer {
 
 impl Outer {
     /// The same a tick later: nothing new but the measured residual.
-    fn held(mut self, residual: Coords) -> Self {
+    fn held(mut self, residual: KnownCoords) -> Self {
         self.residual = residual;
         self.adapted.reset = false;
         self
     }
 }
 
-/// The adapted estimate, or nominal gravity if it is not finite.
+/// The adapted estimate with nominal gravity in the rows whose residual is unknown; nominal gravity alone if it is not finite.
 fn usable(adapted: &Adapted, nominal_gravity: &Coords) -> Coords {
-    if adapted.r_hat.iter().all(|x| x.is_finite()) { adapted.r_hat } else { *nominal_gravity }
+    if adapted.r_hat.is_finite() { adapted.r_hat.or(nominal_gravity) } else { *nominal_gravity }
 }
 
 /// Remembers the last command of the inner rows.

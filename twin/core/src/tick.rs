@@ -1,12 +1,14 @@
 //! Every record that crosses a stage of the loop. [`Tick`] = one control period, built once at its end and never changed:
 //! the recorder, the browser, the verdict and the tests all read this one record.
 //!
+//! What nobody knows is unknown in the record itself, row by row ([`KnownCoords`]).
+//!
 //! No record here holds wall-clock time, so two runs of one seed are equal bit for bit.
 
 use nalgebra::{Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
-use crate::notation::{Coords, PerRotor};
+use crate::notation::{Coords, KnownCoords, KnownRows, PerRotor, known_in_both};
 
 /// What the source measured in one control period: the input of everything above the source.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -14,19 +16,40 @@ pub struct Measurement {
     /// Simulated (or recorded) time at the end of the period, s.
     pub t_s: f64,
     /// Estimated coordinates, `psi` unwrapped.
-    pub chi: Coords,
+    pub chi: KnownCoords,
     /// Estimated rates.
-    pub chi_dot: Coords,
+    pub chi_dot: KnownCoords,
     /// Accelerations through `H`, the 2nd-order 8 Hz Butterworth at 1 kHz.
-    pub chi_ddot: Coords,
+    pub chi_ddot: KnownCoords,
     /// Applied generalised force (rotor delay and lag modelled, actual thrust axis) through the same `H`, N and N m.
-    pub tau_applied: Coords,
+    pub tau_applied: KnownCoords,
     /// Gripper encoder.
     pub gripper: GripperReading,
     /// Payload pose by motion capture; `None` where nothing measures it.
     pub payload: Option<PayloadReading>,
     /// A rotor or a joint ran into its limit during the period.
     pub saturated: bool,
+    /// The vehicle flies, as far as its source can tell: on the ground the residual would be the force of the floor.
+    #[serde(default = "flies", skip_serializing_if = "is_true")]
+    pub airborne: bool,
+}
+
+/// Recordings of simulated flights, and those made before this field existed, do not say it.
+fn flies() -> bool {
+    true
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks with a reference")]
+fn is_true(value: &bool) -> bool {
+    *value
+}
+
+impl Measurement {
+    /// The rows of which a residual can be formed: force and acceleration are known, and the vehicle flies.
+    pub fn residual_known(&self) -> KnownRows {
+        let known = known_in_both(self.tau_applied.known(), self.chi_ddot.known());
+        known.map(|known| known && self.airborne)
+    }
 }
 
 /// Finger encoder of the gripper.
@@ -98,9 +121,9 @@ pub struct Truth {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reference {
     /// Desired coordinates; the roll and pitch entries are filled by the command filter of the inner loop.
-    pub chi_des: Coords,
+    pub chi_des: KnownCoords,
     /// Desired rates.
-    pub chi_des_dot: Coords,
+    pub chi_des_dot: KnownCoords,
     /// Desired accelerations.
     pub chi_des_ddot: Coords,
     /// What the gripper shall do.
@@ -144,8 +167,8 @@ pub enum GripperCommand {
 /// Output of the frozen predictor.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Forecast {
-    /// Base forecast `r_hat_base(t+j|t)` for `j = 0..=k`, N and N m; never empty.
-    pub base: Vec<Coords>,
+    /// Base forecast `r_hat_base(t+j|t)` for `j = 0..=k`, N and N m; never empty. Known where the residual is.
+    pub base: Vec<KnownCoords>,
     /// Regime latent `g'`, `d_k`; empty for predictors that have none.
     pub regime: Vec<f64>,
     /// Attention over the input channels, sums to one; empty for predictors that have none.
@@ -156,12 +179,12 @@ pub struct Forecast {
 /// Output of the Latent Residual Adapter.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Adapted {
-    /// Adapted residual estimate of this tick, N and N m.
-    pub r_hat: Coords,
+    /// Adapted residual estimate of this tick, N and N m; known where the residual is, as all of the following.
+    pub r_hat: KnownCoords,
     /// The same before this tick's residual was seen (a priori): what every prediction metric uses, N and N m.
-    pub r_hat_prior: Coords,
+    pub r_hat_prior: KnownCoords,
     /// A-priori innovation `eps_t` in the adapter's units (z-scored by default).
-    pub innovation: Coords,
+    pub innovation: KnownCoords,
     /// Norm of the exponential moving average of the innovation, compared with the reset threshold.
     pub innovation_mean_norm: f64,
     /// Trace of the covariance.
@@ -193,7 +216,7 @@ pub struct Setpoint {
     pub joint_des_dot: Vector2<f64>,
     /// Desired joint accelerations, rad/s².
     pub joint_des_ddot: Vector2<f64>,
-    /// Residual estimate in force (low-passed and clipped), N and N m.
+    /// Residual estimate in force (low-passed and clipped), N and N m: a number in every row, also where the residual is unknown.
     pub r_hat: Coords,
     /// Norm of the sliding variable, held between ticks.
     pub sliding_norm: f64,
@@ -246,9 +269,9 @@ pub struct ActuatorCommand {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ControlState {
     /// Tracking error `e`, yaw wrapped; roll and pitch against the command filter.
-    pub error: Coords,
+    pub error: KnownCoords,
     /// Sliding variable `s`.
-    pub sliding: Coords,
+    pub sliding: KnownCoords,
     /// Robust gain `sigma_hat`.
     pub robust_gain: f64,
 }
@@ -317,7 +340,7 @@ pub struct Tick {
     /// What was to be flown.
     pub reference: Reference,
     /// Measured residual `r_t`, N and N m (`eq:residual_dynamics`).
-    pub residual: Coords,
+    pub residual: KnownCoords,
     /// Base forecast and regime.
     pub forecast: Forecast,
     /// Adapted forecast.

@@ -13,11 +13,12 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 pub use super::divergence_report::{AXES, HORIZONS, Miss, Shot};
 use super::divergence_report::{Axis, Report, report};
 use crate::OpenedFlight;
-use crate::film::{Cursor, Film, Frame};
+use crate::film::{Cursor, Film};
 use twin_core::notation::{
     Coords, GRAVITY_M_S2, TICK_S, attitude, body_rate_from_euler_rate, euler_from_rotation,
     euler_rate_from_body_rate, position, world_from_body, wrap_angle,
 };
+use twin_core::tick::Measurement;
 use twin_plant::model::{Inertial, ModelError, Packages, Robot};
 use twin_plant::{FreeBody, Motion, Wrench, locked};
 
@@ -145,7 +146,7 @@ impl Flyer {
         let clip = self.clip(start, LAST)?;
         let after = self.misses(&clip)?;
         let after = std::array::from_fn(|i| after[i]);
-        Some(Shot { t_s: clip.frame(0).measurement.t_s, free: clip.free, after })
+        Some(Shot { t_s: clip.frame(0).t_s, free: clip.free, after })
     }
 
     /// How far the twin is from the flight at the second horizon, having started from `start`.
@@ -172,30 +173,31 @@ impl Flyer {
         let mut cursor = Cursor::new(&self.film);
         let mut frames = (first..=start + self.reach(ticks))
             .map(|tick| cursor.frame(tick).filter(|frame| known(frame, 0..3)).cloned())
-            .collect::<Option<Vec<Frame>>>()?;
+            .collect::<Option<Vec<Measurement>>>()?;
         if let Some(of_kg) = self.of_kg {
-            let share = self.twin.inertial(&frames[BEFORE].measurement.chi).mass_kg / of_kg;
+            let share = self.twin.inertial(&frames[BEFORE].chi).mass_kg / of_kg;
             for frame in &mut frames {
-                let force = position(&frame.measurement.tau_applied) * share;
-                frame.measurement.tau_applied.fixed_rows_mut::<3>(0).copy_from(&force);
+                for row in 0..3 {
+                    frame.tau_applied[row] *= share;
+                }
             }
         }
         let free = self.own_attitude && frames.iter().all(|frame| known(frame, 3..AXES));
-        let attitude = frames.iter().all(|frame| frame.coordinates[3..AXES] == [true; 3]);
+        let attitude = frames.iter().all(|frame| frame.chi.known()[3..AXES] == [true; 3]);
         attitude.then_some(Clip { frames, free, ticks })
     }
 
     /// Per horizon within the clip.
     fn misses(&self, clip: &Clip) -> Option<Vec<[Miss; AXES]>> {
-        let inertial = self.twin.inertial(&clip.frame(0).measurement.chi);
+        let inertial = self.twin.inertial(&clip.frame(0).chi);
         let rates = clip.rates()?;
-        let chi = clip.frame(0).measurement.chi;
+        let chi = clip.frame(0).chi;
         let twin = self.flown(clip, &inertial, &rates, None)?;
         let residual = clip.residual(&inertial);
         let with_residual = self.flown(clip, &inertial, &rates, Some(&residual))?;
         let horizons = HORIZONS.iter().filter(|ticks| **ticks <= clip.ticks);
         let miss = |(i, ticks): (usize, &usize)| {
-            let there = clip.frame(*ticks).measurement.chi;
+            let there = clip.frame(*ticks).chi;
             let coasted: Axis =
                 std::array::from_fn(|row| chi[row] + rates[row] * (*ticks as f64 * TICK_S));
             std::array::from_fn(|row| {
@@ -221,7 +223,7 @@ impl Flyer {
         rates: &SVector<f64, AXES>,
         residual: Option<&SVector<f64, AXES>>,
     ) -> Option<Vec<Axis>> {
-        let start = &clip.frame(0).measurement.chi;
+        let start = &clip.frame(0).chi;
         let (eta, eta_dot) = (attitude(start), rates.fixed_rows::<3>(3).into_owned());
         // With a held attitude it is a point: what an eccentric mass would turn is unknown.
         let com = if clip.free { inertial.com_in_link } else { Vector3::zeros() };
@@ -249,20 +251,22 @@ impl Flyer {
     }
 }
 
-fn known(frame: &Frame, rows: std::ops::Range<usize>) -> bool {
-    frame.coordinates[rows.clone()].iter().chain(&frame.counts[rows]).all(|known| *known)
+/// Motion and, in the air, force are known in these rows.
+fn known(frame: &Measurement, rows: std::ops::Range<usize>) -> bool {
+    let (moved, pushed) = (frame.chi.known(), frame.residual_known());
+    rows.into_iter().all(|row| moved[row] && pushed[row])
 }
 
 /// The ticks around a start: the half second before it, the flight, and what the commands reach beyond it.
 struct Clip {
-    frames: Vec<Frame>,
+    frames: Vec<Measurement>,
     free: bool,
     ticks: usize,
 }
 
 impl Clip {
     /// So many ticks after the start.
-    fn frame(&self, after: usize) -> &Frame {
+    fn frame(&self, after: usize) -> &Measurement {
         &self.frames[(BEFORE + after).min(self.frames.len() - 1)]
     }
 
@@ -273,7 +277,7 @@ impl Clip {
         let mut squares = 0.0;
         for (i, frame) in around.iter().enumerate() {
             let t_s = (i as f64 - SLOPE as f64) * TICK_S;
-            sums += frame.measurement.chi.fixed_rows::<AXES>(0) * t_s;
+            sums += frame.chi.fixed_rows::<AXES>(0) * t_s;
             squares += t_s * t_s;
         }
         Some(sums / squares)
@@ -283,8 +287,7 @@ impl Clip {
     fn residual(&self, inertial: &Inertial) -> SVector<f64, AXES> {
         let before = &self.frames[..BEFORE];
         let mut mean = SVector::<f64, AXES>::zeros();
-        for frame in before {
-            let m = &frame.measurement;
+        for m in before {
             for row in 0..AXES {
                 let inertia = match row {
                     0..3 => inertial.mass_kg,
@@ -306,16 +309,15 @@ impl Clip {
     ) -> Wrench {
         let at = after as f64 + 0.5 + delay_ticks;
         let (tick, share) = (at.floor() as usize, at.fract());
-        let tau = self.frame(tick).measurement.tau_applied * (1.0 - share)
-            + self.frame(tick + 1).measurement.tau_applied * share;
+        let tau = *self.frame(tick).tau_applied * (1.0 - share)
+            + *self.frame(tick + 1).tau_applied * share;
         let lacking = residual.copied().unwrap_or_else(SVector::zeros);
         let force = position(&tau);
         let in_world = -lacking.fixed_rows::<3>(0).into_owned();
         if !self.free {
             return Wrench::Held(force + in_world);
         }
-        let (here, next) =
-            (attitude(&self.frame(after).measurement.chi), &self.frame(after + 1).measurement.chi);
+        let (here, next) = (attitude(&self.frame(after).chi), &self.frame(after + 1).chi);
         let eta = (here + attitude(next)) * 0.5;
         let moment = attitude(&tau) - lacking.fixed_rows::<3>(3);
         let torque = euler_rate_from_body_rate(&eta).transpose() * moment;

@@ -1,7 +1,6 @@
 use super::super::divergence_report::Light;
 use super::*;
 use crate::Effort;
-use crate::film::Nominal;
 use crate::recorded::{Derivation, Instant, RecordedFlight};
 use twin_core::elementary::{cos, sin, squared};
 use twin_core::notation::N;
@@ -55,10 +54,9 @@ fn flyer(recorded: &RecordedFlight) -> Flyer {
         com_in_link: Vector3::zeros(),
         inertia_in_link: Matrix3::identity() * INERTIA_KG_M2,
     };
-    let nominal = Nominal { residual: Coords::zeros(), inertia: Coords::repeat(MASS_KG) };
     assert_eq!(recorded.instants[0].chi.len(), N);
     Flyer {
-        film: Arc::new(Film::whole(recorded, &nominal)),
+        film: Arc::new(Film::whole(recorded)),
         twin: Twin { form: Form::Body(inertial), says: "made".to_owned() },
         delay_ticks: PASS_TICKS,
         own_attitude: true,

@@ -9,7 +9,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 
 use super::kept::Kept;
 use super::recorded::{Instant, RecordedFlight};
-use twin_core::notation::{Coords, N, wrap_angle};
+use twin_core::notation::{KnownCoords, wrap_angle};
 use twin_core::source::{Disturbance, InnerLoop, Source};
 use twin_core::tick::{GripperReading, Measurement, Setpoint, Truth};
 
@@ -47,29 +47,6 @@ pub trait Footage: Debug + Send + Sync {
     }
 }
 
-/// A tick of a recorded flight, as the loop reads it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Frame {
-    /// A row without a known residual has the applied force that makes the residual the nominal one, so that nobody learns from
-    /// it; a coordinate that is unknown is the last known one.
-    pub measurement: Measurement,
-    /// Per row: the coordinate is known.
-    pub coordinates: [bool; N],
-    /// Per row: the residual is known, in the air.
-    pub counts: [bool; N],
-    /// It flies, as far as its thrust tells.
-    pub airborne: bool,
-}
-
-/// What an unknown residual is taken as.
-#[derive(Clone, Copy, Debug)]
-pub struct Nominal {
-    /// Residual, N and N m.
-    pub residual: Coords,
-    /// `M_bar`, kg and kg m².
-    pub inertia: Coords,
-}
-
 /// A recorded flight.
 #[derive(Debug)]
 pub struct Film {
@@ -79,7 +56,7 @@ pub struct Film {
 
 #[derive(Debug)]
 enum Store {
-    Whole(Arc<[Frame]>),
+    Whole(Arc<[Measurement]>),
     Blocks { shelf: Arc<Shelf>, wanted: Sender<usize> },
 }
 
@@ -87,22 +64,21 @@ enum Store {
 #[derive(Debug)]
 struct Shelf {
     footage: Arc<dyn Footage>,
-    nominal: Nominal,
-    blocks: Kept<Arc<[Frame]>>,
+    blocks: Kept<Arc<[Measurement]>>,
 }
 
 impl Film {
     /// A flight that is held whole.
-    pub fn whole(recorded: &RecordedFlight, nominal: &Nominal) -> Self {
-        let frames = frames(recorded, nominal);
+    pub fn whole(recorded: &RecordedFlight) -> Self {
+        let frames = frames(recorded);
         Self { ticks: frames.len(), store: Store::Whole(frames.into()) }
     }
 
     /// A flight that is read as it is played.
-    pub fn of(footage: &Arc<dyn Footage>, nominal: Nominal) -> Self {
+    pub fn of(footage: &Arc<dyn Footage>) -> Self {
         let footage = Arc::clone(footage);
         let ticks = footage.ticks();
-        let shelf = Arc::new(Shelf::new(footage, nominal));
+        let shelf = Arc::new(Shelf::new(footage));
         let (wanted, orders) = channel();
         let reader = Arc::clone(&shelf);
         let thread = std::thread::Builder::new().name("film".to_owned());
@@ -132,13 +108,6 @@ impl Film {
             Store::Whole(_) => Vec::new(),
             Store::Blocks { shelf, .. } => shelf.footage.troubles(),
         }
-    }
-
-    /// Per row whether coordinate and residual (in the air) are known at `tick`; nothing is beyond the end.
-    pub fn known(&self, tick: usize) -> ([bool; N], [bool; N]) {
-        let block = self.block(tick);
-        let frame = block.as_ref().and_then(|block| block.frame(tick));
-        frame.map_or(([false; N], [false; N]), |frame| (frame.coordinates, frame.counts))
     }
 
     /// The block of `tick`; `None` beyond the end.
@@ -187,53 +156,36 @@ fn read_ahead(shelf: &Shelf, orders: &Receiver<usize>) {
 }
 
 impl Shelf {
-    fn new(footage: Arc<dyn Footage>, nominal: Nominal) -> Self {
+    fn new(footage: Arc<dyn Footage>) -> Self {
         let blocks = Kept::new(KEPT_TICKS / footage.block_ticks());
-        Self { footage, nominal, blocks }
+        Self { footage, blocks }
     }
 
     /// The block from the shelf if it reaches to its tick `within`, else from the file. Of a flight that goes on the newest block
     /// may be there with fewer ticks.
-    fn block(&self, number: usize, within: usize) -> Arc<[Frame]> {
+    fn block(&self, number: usize, within: usize) -> Arc<[Measurement]> {
         let ticks = self.footage.block_ticks();
         let read = || {
             let from = number * ticks;
             let to = (from + ticks).min(self.footage.ticks()).max(from);
-            frames(&self.footage.part(from, to), &self.nominal).into()
+            frames(&self.footage.part(from, to)).into()
         };
         self.blocks.get(number, |frames| frames.len() > within, read)
     }
 }
 
-/// The ticks of `recorded` as the loop reads them.
-fn frames(recorded: &RecordedFlight, nominal: &Nominal) -> Vec<Frame> {
-    let mut held = Coords::zeros();
-    let one = |(tick, instant): (usize, &Instant)| {
-        for row in 0..N {
-            held[row] = instant.chi[row].unwrap_or(held[row]);
-        }
-        let chi_ddot = Coords::from_fn(|row, _| instant.chi_ddot[row].unwrap_or(0.0));
-        let tau_applied =
-            Coords::from_fn(|row, _| match (instant.tau[row], instant.chi_ddot[row]) {
-                (Some(tau), Some(_)) => tau,
-                _ => nominal.residual[row] + nominal.inertia[row] * chi_ddot[row],
-            });
-        let measurement = Measurement {
-            t_s: recorded.times_s[tick],
-            chi: held,
-            chi_dot: Coords::from_fn(|row, _| instant.chi_dot[row].unwrap_or(0.0)),
-            chi_ddot,
-            tau_applied,
-            gripper: GripperReading::default(),
-            payload: None,
-            saturated: false,
-        };
-        Frame {
-            measurement,
-            coordinates: instant.chi.map(|value| value.is_some()),
-            counts: std::array::from_fn(|row| recorded.residual_counts(tick, row)),
-            airborne: recorded.airborne.get(tick).copied().unwrap_or(false),
-        }
+/// The ticks of `recorded` as the loop reads them: what is `None` there is unknown here.
+fn frames(recorded: &RecordedFlight) -> Vec<Measurement> {
+    let one = |(tick, instant): (usize, &Instant)| Measurement {
+        t_s: recorded.times_s[tick],
+        chi: KnownCoords::from_rows(&instant.chi),
+        chi_dot: KnownCoords::from_rows(&instant.chi_dot),
+        chi_ddot: KnownCoords::from_rows(&instant.chi_ddot),
+        tau_applied: KnownCoords::from_rows(&instant.tau),
+        gripper: GripperReading::default(),
+        payload: None,
+        saturated: false,
+        airborne: recorded.airborne.get(tick).copied().unwrap_or(false),
     };
     recorded.instants.iter().enumerate().map(one).collect()
 }
@@ -241,11 +193,11 @@ fn frames(recorded: &RecordedFlight, nominal: &Nominal) -> Vec<Frame> {
 #[derive(Clone, Debug)]
 struct Block {
     first: usize,
-    frames: Arc<[Frame]>,
+    frames: Arc<[Measurement]>,
 }
 
 impl Block {
-    fn frame(&self, tick: usize) -> Option<&Frame> {
+    fn frame(&self, tick: usize) -> Option<&Measurement> {
         self.frames.get(tick.checked_sub(self.first)?)
     }
 }
@@ -263,8 +215,8 @@ impl Cursor {
         Self { film: Arc::clone(film), block: None }
     }
 
-    /// The frame of `tick`; `None` beyond the end.
-    pub fn frame(&mut self, tick: usize) -> Option<&Frame> {
+    /// The measurement of `tick`; `None` beyond the end.
+    pub fn frame(&mut self, tick: usize) -> Option<&Measurement> {
         if self.block.as_ref().and_then(|block| block.frame(tick)).is_none() {
             self.film.read_after(tick);
             self.block = self.film.block(tick);
@@ -283,9 +235,9 @@ pub struct RecordedSource {
     cursor: Cursor,
     next: usize,
     /// The last frame played.
-    frame: Frame,
-    /// The last coordinates given.
-    last: Option<Coords>,
+    frame: Measurement,
+    /// The last known yaw that was given, rad.
+    last_psi: Option<f64>,
     /// Turns that the yaw of a block lacks, rad, and the block.
     turns_rad: f64,
     turned: Option<usize>,
@@ -296,7 +248,7 @@ impl RecordedSource {
     pub fn new(film: &Arc<Film>, first: usize) -> Option<Self> {
         let mut cursor = Cursor::new(film);
         let frame = cursor.frame(first)?.clone();
-        Some(Self { cursor, next: first, frame, last: None, turns_rad: 0.0, turned: None })
+        Some(Self { cursor, next: first, frame, last_psi: None, turns_rad: 0.0, turned: None })
     }
 
     /// The next measurement; after the last one the last one again.
@@ -308,27 +260,23 @@ impl RecordedSource {
         self.continued()
     }
 
-    /// The measurement of the frame; unknown coordinates and the turns of the yaw go on as before.
+    /// The measurement of the frame; the turns of the yaw go on as before.
     fn continued(&mut self) -> Measurement {
-        let Self { frame, last, turns_rad, turned, .. } = self;
-        let mut measurement = frame.measurement.clone();
-        let psi = measurement.chi[PSI];
-        if let Some(last) = last {
-            for row in (0..N).filter(|row| !frame.coordinates[*row]) {
-                measurement.chi[row] = last[row];
-            }
-            let block = self.cursor.block_start();
-            if frame.coordinates[PSI] && *turned != block {
-                let ahead = last[PSI] + wrap_angle(psi - last[PSI]) - psi;
-                let turns = (ahead / std::f64::consts::TAU).round();
-                *turns_rad = if turns.is_finite() { turns * std::f64::consts::TAU } else { 0.0 };
-                *turned = block;
-            }
+        let mut measurement = self.frame.clone();
+        let Some(psi) = measurement.chi.get(PSI) else { return measurement };
+        let block = self.cursor.block_start();
+        if let Some(last) = self.last_psi
+            && self.turned != block
+        {
+            let ahead = last + wrap_angle(psi - last) - psi;
+            let turns = (ahead / std::f64::consts::TAU).round();
+            self.turns_rad = if turns.is_finite() { turns * std::f64::consts::TAU } else { 0.0 };
+            self.turned = block;
         }
-        if frame.coordinates[PSI] && *turns_rad != 0.0 {
-            measurement.chi[PSI] = psi + *turns_rad;
+        if self.turns_rad != 0.0 {
+            measurement.chi[PSI] = psi + self.turns_rad;
         }
-        *last = Some(measurement.chi);
+        self.last_psi = Some(measurement.chi[PSI]);
         measurement
     }
 }

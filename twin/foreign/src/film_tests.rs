@@ -3,7 +3,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use super::super::effort::Effort;
 use super::super::recorded::Derivation;
 use super::*;
-use twin_core::notation::TICK_S;
+use twin_core::notation::{N, TICK_S};
 
 /// How fast the vehicle of these tests turns, rad per tick: several turns in the flight.
 const TURN_RAD: f64 = 0.02;
@@ -55,26 +55,28 @@ impl Footage for Turning {
     }
 }
 
-fn nothing() -> Nominal {
-    Nominal { residual: Coords::zeros(), inertia: Coords::zeros() }
-}
-
 fn played(film: &Arc<Film>, first: usize) -> Vec<Measurement> {
     let mut source = RecordedSource::new(film, first).unwrap();
     (first..TICKS).map(|_| source.play()).collect()
 }
 
 #[test]
-fn yaw_goes_on_over_the_edges_of_blocks_and_unknown_coordinates_stay_as_they_were() {
+fn yaw_goes_on_over_the_edges_of_blocks_and_nothing_is_made_up_for_unknown_coordinates() {
     let footage: Arc<dyn Footage> = Arc::new(Turning::default());
-    let film = Arc::new(Film::of(&footage, nothing()));
+    let film = Arc::new(Film::of(&footage));
     let all = played(&film, 0);
     assert_eq!(all.len(), TICKS);
     for (tick, measurement) in all.iter().enumerate() {
-        let known = if (700..720).contains(&tick) { 699 } else { tick };
+        if (700..720).contains(&tick) {
+            assert_eq!(measurement.chi, KnownCoords::unknown(), "{tick}");
+            continue;
+        }
         // Sums of some thousand steps of 0.02.
-        assert!((measurement.chi[PSI] - yaw(known)).abs() < 1e-9, "{tick}");
-        assert_eq!(measurement.chi[0].to_bits(), (known as f64).to_bits(), "{tick}");
+        assert!((measurement.chi[PSI] - yaw(tick)).abs() < 1e-9, "{tick}");
+        assert_eq!(measurement.chi.get(0), Some(tick as f64), "{tick}");
+        for unknown in [measurement.chi_dot, measurement.chi_ddot, measurement.tau_applied] {
+            assert_eq!(unknown, KnownCoords::unknown(), "{tick}: the recording does not say it");
+        }
     }
     // From the middle it is the same but for whole turns.
     for (ours, whole) in played(&film, 1200).iter().zip(&all[1200..]) {
@@ -87,7 +89,7 @@ fn yaw_goes_on_over_the_edges_of_blocks_and_unknown_coordinates_stay_as_they_wer
 fn a_block_on_the_shelf_is_not_read_again_and_the_shelf_is_bounded() {
     let turning = Arc::new(Turning::default());
     let footage: Arc<dyn Footage> = turning.clone();
-    let shelf = Shelf::new(footage, nothing());
+    let shelf = Shelf::new(footage);
     for _ in 0..3 {
         for number in 0..4 {
             shelf.block(number, 0);
@@ -104,11 +106,9 @@ fn a_block_on_the_shelf_is_not_read_again_and_the_shelf_is_bounded() {
 #[test]
 fn nothing_is_beyond_the_end() {
     let footage: Arc<dyn Footage> = Arc::new(Turning::default());
-    let film = Arc::new(Film::of(&footage, nothing()));
+    let film = Arc::new(Film::of(&footage));
     assert!(RecordedSource::new(&film, TICKS).is_none());
-    assert_eq!(film.known(TICKS), ([false; N], [false; N]));
-    assert_eq!(film.known(705).0, [false; N]);
-    assert_eq!(film.known(0).0, [true; N]);
+    assert_eq!(Cursor::new(&film).frame(TICKS), None);
     let mut source = RecordedSource::new(&film, TICKS - 1).unwrap();
     let last = source.play();
     assert_eq!(source.play(), last);

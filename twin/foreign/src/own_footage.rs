@@ -106,7 +106,7 @@ impl OwnFootage {
             });
             joined.collect()
         });
-        let mut all = self.as_recorded(Vec::new(), Vec::new());
+        let mut all = self.as_recorded(Vec::new(), Vec::new(), Vec::new());
         for part in parts {
             all.times_s.extend(part.times_s);
             all.instants.extend(part.instants);
@@ -115,8 +115,13 @@ impl OwnFootage {
         all
     }
 
-    fn as_recorded(&self, times_s: Vec<f64>, instants: Vec<Instant>) -> RecordedFlight {
-        as_recorded(times_s, instants, self.nominal_inertia, self.joint_names.clone())
+    fn as_recorded(
+        &self,
+        times_s: Vec<f64>,
+        instants: Vec<Instant>,
+        airborne: Vec<bool>,
+    ) -> RecordedFlight {
+        as_recorded(times_s, instants, airborne, self.nominal_inertia, self.joint_names.clone())
     }
 
     /// The ticks of chunk `number`, as many as the index says.
@@ -181,8 +186,10 @@ impl Footage for OwnFootage {
             last_s
         };
         let times_s = found.iter().map(time_s).collect();
+        let airborne = |moved: &Option<Moved>| moved.as_ref().is_none_or(|moved| moved.airborne);
+        let airborne = found.iter().map(airborne).collect();
         let instants = found.into_iter().map(|moved| moved.unwrap_or_default().instant);
-        self.as_recorded(times_s, instants.collect())
+        self.as_recorded(times_s, instants.collect(), airborne)
     }
 
     fn troubles(&self) -> Vec<String> {

@@ -6,7 +6,7 @@ use serde::{Deserialize, Deserializer};
 
 use super::effort::Effort;
 use super::recorded::{ARM_ROWS, Derivation, Instant, RecordedFlight};
-use twin_core::notation::{Coords, N, ROWS};
+use twin_core::notation::{Coords, KnownCoords, N, ROWS};
 use twin_core::tick::Measurement;
 use twin_record::recording::{Recording, RecordingError, read_recording};
 
@@ -20,6 +20,7 @@ pub(super) fn replayed(path: &Path) -> Result<RecordedFlight, RecordingError> {
     Ok(as_recorded(
         measured().map(|m| m.t_s).collect(),
         measured().map(|m| instant(m, recording.is_mirrored())).collect(),
+        measured().map(|m| m.airborne).collect(),
         recorded_nominal_inertia(&recording),
         joint_names(recording.metadata.get("joints").map(String::as_str)),
     ))
@@ -29,13 +30,14 @@ pub(super) fn replayed(path: &Path) -> Result<RecordedFlight, RecordingError> {
 pub(super) fn as_recorded(
     times_s: Vec<f64>,
     instants: Vec<Instant>,
+    airborne: Vec<bool>,
     nominal_inertia: Option<Coords>,
     joint_names: Vec<String>,
 ) -> RecordedFlight {
     RecordedFlight {
-        airborne: vec![true; instants.len()],
         times_s,
         instants,
+        airborne,
         effort: Effort::Recorded,
         mass_kg: nominal_inertia.map_or(1.0, |inertia| inertia[0]),
         acceleration: [Derivation::Recorded; 2],
@@ -45,30 +47,20 @@ pub(super) fn as_recorded(
     }
 }
 
-impl From<&Measurement> for Instant {
-    fn from(measurement: &Measurement) -> Self {
-        let all = |values: &Coords| std::array::from_fn(|row| Some(values[row]));
-        Self {
-            chi: all(&measurement.chi),
-            chi_dot: all(&measurement.chi_dot),
-            chi_ddot: all(&measurement.chi_ddot),
-            tau: all(&measurement.tau_applied),
-        }
+/// The tick that was measured; what is not a number is unknown in a `mirrored` flight and NaN in another.
+pub(super) fn instant(measurement: &Measurement, mirrored: bool) -> Instant {
+    let rows = |values: &KnownCoords| std::array::from_fn(|row| values.get(row));
+    Instant {
+        chi: or_fault(rows(&measurement.chi), mirrored),
+        chi_dot: or_fault(rows(&measurement.chi_dot), mirrored),
+        chi_ddot: or_fault(rows(&measurement.chi_ddot), mirrored),
+        tau: or_fault(rows(&measurement.tau_applied), mirrored),
     }
 }
 
-/// The tick that was measured; of a `mirrored` flight what is not a number is unknown.
-pub(super) fn instant(measurement: &Measurement, mirrored: bool) -> Instant {
-    let mut instant = Instant::from(measurement);
-    if mirrored {
-        let Instant { chi, chi_dot, chi_ddot, tau } = &mut instant;
-        for values in [chi, chi_dot, chi_ddot, tau] {
-            for value in values {
-                *value = value.filter(|v| v.is_finite());
-            }
-        }
-    }
-    instant
+/// Nothing is unknown in a simulated flight: what is not a number there is a fault, which the loop shall see as one.
+fn or_fault(rows: [Option<f64>; N], mirrored: bool) -> [Option<f64>; N] {
+    if mirrored { rows } else { rows.map(|value| value.or(Some(f64::NAN))) }
 }
 
 /// Motion and force of a recorded tick: all that a mirror takes of it.
@@ -78,6 +70,8 @@ pub(super) struct Moved {
     pub(super) t_s: f64,
     /// The tick; of a `mirrored` flight what is not a number is unknown, of another it is NaN.
     pub(super) instant: Instant,
+    /// The vehicle flew, as far as its source could tell.
+    pub(super) airborne: bool,
 }
 
 /// A measurement with `null` where it is not a number.
@@ -90,6 +84,8 @@ struct Text {
     chi_dot: [Option<f64>; N],
     chi_ddot: [Option<f64>; N],
     tau_applied: [Option<f64>; N],
+    // Said of a mirrored flight alone.
+    airborne: Option<bool>,
 }
 
 /// A tick of which the measurement alone is read.
@@ -114,16 +110,14 @@ impl Moved {
         } else {
             serde_json::from_slice::<Text>(text)?
         };
-        let known = |values: [Option<f64>; N]| {
-            if mirrored { values } else { values.map(|value| value.or(Some(f64::NAN))) }
-        };
         let instant = Instant {
-            chi: known(read.chi),
-            chi_dot: known(read.chi_dot),
-            chi_ddot: known(read.chi_ddot),
-            tau: known(read.tau_applied),
+            chi: or_fault(read.chi, mirrored),
+            chi_dot: or_fault(read.chi_dot, mirrored),
+            chi_ddot: or_fault(read.chi_ddot, mirrored),
+            tau: or_fault(read.tau_applied, mirrored),
         };
-        Ok(Self { t_s: read.t_s.unwrap_or(f64::NAN), instant })
+        let t_s = read.t_s.unwrap_or(f64::NAN);
+        Ok(Self { t_s, instant, airborne: read.airborne.unwrap_or(true) })
     }
 }
 

@@ -10,14 +10,14 @@ use nalgebra::{Vector2, Vector3};
 use serde::Serialize;
 
 use super::shadow_score::{Score, Scored};
-use crate::film::{Cursor, Film, Nominal};
+use crate::film::{Cursor, Film};
 use crate::{OpenedFlight, RecordedFlight, RecordedSource};
 use twin_core::control::{Adaptive, Allocation, Gains, Preset, Rotor, Rows};
 use twin_core::elementary::squared;
 use twin_core::filter::LowPass;
 use twin_core::flight::{Flight, Parts};
-use twin_core::notation::{Coords, GRAVITY_M_S2, N, ROWS, TICK_S};
-use twin_core::residual::{Predictor, RandomFeatures, lra};
+use twin_core::notation::{Coords, GRAVITY_M_S2, KnownCoords, N, ROWS, TICK_S};
+use twin_core::residual::{Predictor, RandomFeatures, label, lra};
 use twin_core::task::{Step, Task, View};
 use twin_core::tick::{Adaptation, Event, EventKind, GripperCommand, Reference, Setpoint, Tick};
 use twin_core::tuning::Tuning;
@@ -85,9 +85,7 @@ impl Shadow {
         let inertia_kg_m2 = opened.map.vehicle.inertia_kg_m2;
         let whole = Self::new(&opened.recorded, inertia_kg_m2);
         let Some(footage) = &opened.long else { return whole };
-        let inertia = whole.tuning.gains.nominal_inertia;
-        let film = Film::of(footage, Nominal { residual: whole.nominal, inertia });
-        Self { film: Arc::new(film), ..whole }
+        Self { film: Arc::new(Film::of(footage)), ..whole }
     }
 
     /// `inertia_kg_m2` about the body axes where it is known.
@@ -103,9 +101,8 @@ impl Shadow {
         gains.nominal_inertia = recorded.nominal_inertia.unwrap_or(gains.nominal_inertia);
         let mut nominal = Coords::zeros();
         nominal[2] = recorded.mass_kg * GRAVITY_M_S2;
-        let inertia = gains.nominal_inertia;
-        let film = Arc::new(Film::whole(recorded, &Nominal { residual: nominal, inertia }));
-        let scale = scale(&film, &inertia);
+        let film = Arc::new(Film::whole(recorded));
+        let scale = scale(&film, &gains.nominal_inertia);
         let tuning = Tuning { gains, adapter: lra::Settings::default() };
         Self { film, nominal, scale, tuning }
     }
@@ -155,7 +152,7 @@ impl Shadow {
             adapter,
             controller: Box::new(Adaptive::default()),
             rows,
-            task: Box::new(Watch::new(&self.film, first, self.tuning.gains.nominal_inertia)),
+            task: Box::new(Watch::new(self, first)),
             gravity: Box::new(move |_| nominal),
             setpoint: Setpoint {
                 force_in_world_n: Vector3::new(0.0, 0.0, nominal[2]),
@@ -191,21 +188,18 @@ impl Shadow {
     /// Flies to the end; `None` if there is no tick.
     pub fn fly(&self, watch: &mut dyn FnMut(&Tick)) -> Option<ShadowReport> {
         let mut flight = self.flight(0, &self.tuning)?;
-        let mut cursor = Cursor::new(&self.film);
         let mut score = Score::new(self.scale);
         let (mut resets_s, mut fault_ticks) = (Vec::new(), 0);
         let (mut airborne_ticks, mut held_ticks) = (0, 0);
-        for index in 0..self.ticks() {
+        for _ in 0..self.ticks() {
             let tick = flight.tick();
             if tick.adapted.reset {
                 resets_s.push(tick.measurement.t_s);
             }
             fault_ticks += usize::from(tick.fault.is_some());
-            if let Some(frame) = cursor.frame(index) {
-                airborne_ticks += usize::from(frame.airborne);
-                held_ticks += usize::from(!frame.counts.contains(&true));
-                score.add(&tick, frame.coordinates, frame.counts);
-            }
+            airborne_ticks += usize::from(tick.measurement.airborne);
+            held_ticks += usize::from(!tick.residual.is_any_known());
+            score.add(&tick);
             watch(&tick);
         }
         Some(ShadowReport {
@@ -227,10 +221,10 @@ fn scale(film: &Arc<Film>, nominal_inertia: &Coords) -> Coords {
     let mut cursor = Cursor::new(film);
     let mut residuals: [Vec<f64>; N] = Default::default();
     for tick in 0..film.ticks() {
-        let Some(frame) = cursor.frame(tick) else { continue };
-        let m = &frame.measurement;
-        for row in (0..N).filter(|row| frame.counts[*row]) {
-            residuals[row].push(m.tau_applied[row] - nominal_inertia[row] * m.chi_ddot[row]);
+        let Some(measurement) = cursor.frame(tick) else { continue };
+        let residual = label::residual(measurement, nominal_inertia);
+        for (row, values) in residuals.iter_mut().enumerate() {
+            values.extend(residual.get(row));
         }
     }
     Coords::from_fn(|row, _| {
@@ -244,57 +238,66 @@ fn scale(film: &Arc<Film>, nominal_inertia: &Coords) -> Coords {
 
 /// Flies nothing: the reference is where the vehicle was expected, and adaptation is held where nothing is known.
 struct Watch {
-    cursor: Cursor,
     /// Ticks of the flight; none of one that still goes on.
     ticks: Option<usize>,
     next: usize,
+    nominal_residual: Coords,
     nominal_inertia: Coords,
     residual: LowPass<N>,
     held: Option<bool>,
-    /// What was known at each of the last ticks, oldest first.
-    known: VecDeque<Known>,
+    /// What the ghost starts from at each of the last ticks, oldest first.
+    starts: VecDeque<Start>,
 }
 
-/// What the ghost starts from, and the motion that the force since then explains with the residual of then.
-struct Known {
+/// What the ghost starts from, and the motion that the force since then explains with the residual of then. A row that was
+/// unknown at any of these ticks is NaN, and stays so.
+struct Start {
     chi: Coords,
     chi_dot: Coords,
     residual: Coords,
 }
 
 impl Watch {
-    fn new(film: &Arc<Film>, first: usize, nominal_inertia: Coords) -> Self {
+    fn new(shadow: &Shadow, first: usize) -> Self {
+        let film = &shadow.film;
         Self {
-            cursor: Cursor::new(film),
             ticks: (!film.is_live()).then(|| film.ticks()),
             next: first,
-            nominal_inertia,
+            nominal_residual: shadow.nominal,
+            nominal_inertia: shadow.tuning.gains.nominal_inertia,
             residual: LowPass::new(),
             held: None,
-            known: VecDeque::new(),
+            starts: VecDeque::new(),
         }
     }
 
     /// Where the vehicle was expected now. Rows without a known force go where they are.
-    fn ghost(&mut self, view: &View<'_>, counts: [bool; N]) -> (Coords, Coords) {
+    fn ghost(&mut self, view: &View<'_>) -> (KnownCoords, KnownCoords) {
         let measured = view.measurement;
-        if !counts.contains(&true) {
-            self.known.clear();
+        if !view.residual.is_any_known() {
+            self.starts.clear();
             return (measured.chi, measured.chi_dot);
         }
-        for known in &mut self.known {
+        for start in &mut self.starts {
             for row in 0..N {
-                let force = measured.tau_applied[row] - known.residual[row];
-                known.chi_dot[row] += force / self.nominal_inertia[row] * TICK_S;
-                known.chi[row] += known.chi_dot[row] * TICK_S;
+                let force = measured.tau_applied[row] - start.residual[row];
+                start.chi_dot[row] += force / self.nominal_inertia[row] * TICK_S;
+                start.chi[row] += start.chi_dot[row] * TICK_S;
             }
         }
-        let residual = self.residual.step(view.residual, GHOST_CORNER_HZ, TICK_S);
-        let expected = if self.known.len() < GHOST_TICKS { None } else { self.known.pop_front() };
-        self.known.push_back(Known { chi: measured.chi, chi_dot: measured.chi_dot, residual });
+        // The low-pass needs a number in every row: it takes the nominal residual for an unknown one.
+        let residual = view.residual.or(&self.nominal_residual);
+        let residual = self.residual.step(&residual, GHOST_CORNER_HZ, TICK_S);
+        let expected = if self.starts.len() < GHOST_TICKS { None } else { self.starts.pop_front() };
+        let start = Start { chi: *measured.chi, chi_dot: *measured.chi_dot, residual };
+        self.starts.push_back(start);
         let Some(expected) = expected else { return (measured.chi, measured.chi_dot) };
-        let either = |expected: &Coords, measured: &Coords| {
-            Coords::from_fn(|row, _| if counts[row] { expected[row] } else { measured[row] })
+        let either = |expected: &Coords, measured: &KnownCoords| {
+            let expects =
+                |row: usize| expected[row].is_finite() && view.residual.get(row).is_some();
+            KnownCoords::from_rows(&std::array::from_fn(|row| {
+                if expects(row) { Some(expected[row]) } else { measured.get(row) }
+            }))
         };
         (either(&expected.chi, &measured.chi), either(&expected.chi_dot, &measured.chi_dot))
     }
@@ -302,13 +305,12 @@ impl Watch {
 
 impl Task for Watch {
     fn update(&mut self, view: &View<'_>, _dt_s: f64) -> Step {
-        let counts = self.cursor.frame(self.next).map_or([false; N], |frame| frame.counts);
-        let held = !counts.contains(&true);
+        let held = !view.residual.is_any_known();
         self.next += 1;
         let text = if held { UNKNOWN } else { MIRRORED };
         let news = (self.held != Some(held)).then(|| Event::new(EventKind::Phase, text));
         self.held = Some(held);
-        let (chi_des, chi_des_dot) = self.ghost(view, counts);
+        let (chi_des, chi_des_dot) = self.ghost(view);
         Step {
             reference: Reference {
                 chi_des,
@@ -327,25 +329,6 @@ impl Task for Watch {
             gave_up: None,
         }
     }
-}
-
-/// `tick` with everything that is not known there as NaN, which a recording keeps as `null`; `known` is per row of the coordinates
-/// and of the residual.
-pub fn masked(tick: &Tick, (coordinates, residuals): ([bool; N], [bool; N])) -> Tick {
-    let mut tick = tick.clone();
-    let hide = |values: &mut Coords, known: &[bool; N]| {
-        (0..N).filter(|row| !known[*row]).for_each(|row| values[row] = f64::NAN);
-    };
-    let Tick { measurement, reference, control, adapted, forecast, setpoint, residual, .. } =
-        &mut tick;
-    let moved = [&mut measurement.chi, &mut measurement.chi_dot, &mut reference.chi_des];
-    let compared = [&mut reference.chi_des_dot, &mut control.error];
-    moved.into_iter().chain(compared).for_each(|values| hide(values, &coordinates));
-    let forces = [&mut measurement.chi_ddot, &mut measurement.tau_applied, residual];
-    let learned = [&mut adapted.r_hat, &mut adapted.r_hat_prior, &mut adapted.innovation];
-    let all = forces.into_iter().chain(learned).chain([&mut setpoint.r_hat]);
-    all.chain(&mut forecast.base).for_each(|values| hide(values, &residuals));
-    tick
 }
 
 /// Unit of a row's residual.

@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::shadow::unit;
 use twin_core::elementary::squared;
-use twin_core::notation::{Coords, N, ROWS};
+use twin_core::notation::{Coords, KnownRows, N, ROWS, known_in_both};
 use twin_core::residual::HORIZON;
 use twin_core::tick::Tick;
 
@@ -79,7 +79,7 @@ struct Pending {
     correction: Coords,
     base: Vec<Coords>,
     persistence: Coords,
-    known: [bool; N],
+    known: KnownRows,
 }
 
 /// Collects tick by tick.
@@ -91,7 +91,7 @@ pub(super) struct Score {
     squares: [[f64; 2]; HORIZON + 1],
     samples: [usize; HORIZON + 1],
     pending: VecDeque<Pending>,
-    last: Option<(Coords, [bool; N])>,
+    last: Option<(Coords, KnownRows)>,
 }
 
 impl Score {
@@ -108,12 +108,12 @@ impl Score {
         }
     }
 
-    /// One tick, which of its coordinates and which of its residual's rows are known.
-    pub(super) fn add(&mut self, tick: &Tick, coordinates: [bool; N], known: [bool; N]) {
-        let r = tick.residual;
+    /// One tick.
+    pub(super) fn add(&mut self, tick: &Tick) {
+        let (r, known) = (*tick.residual, tick.residual.known());
         self.coordinates
             .iter_mut()
-            .zip(coordinates)
+            .zip(tick.measurement.chi.known())
             .for_each(|(n, known)| *n += usize::from(known));
         for row in (0..N).filter(|row| known[*row]) {
             let sum = &mut self.rows[row];
@@ -126,10 +126,10 @@ impl Score {
         let base = &tick.forecast.base;
         if let (Some((persistence, was_known)), Some(first)) = (self.last, base.first()) {
             self.pending.push_front(Pending {
-                correction: tick.adapted.r_hat_prior - first,
-                base: base.clone(),
+                correction: *tick.adapted.r_hat_prior - **first,
+                base: base.iter().map(|base| **base).collect(),
                 persistence,
-                known: was_known,
+                known: known_in_both(was_known, known),
             });
         } else {
             self.pending.clear();

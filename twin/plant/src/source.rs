@@ -33,15 +33,16 @@ impl Source for SimulatedVehicle {
         }
         Measurement {
             t_s: self.step as f64 * STEP_S,
-            chi: self.estimator.chi(),
-            chi_dot: self.estimator.chi_dot(),
-            chi_ddot: filtered.0,
-            tau_applied: filtered.1,
+            chi: self.estimator.chi().into(),
+            chi_dot: self.estimator.chi_dot().into(),
+            chi_ddot: filtered.0.into(),
+            tau_applied: filtered.1.into(),
             gripper: self.gripper.as_ref().map_or_else(GripperReading::default, |g| {
                 g.reading(&self.world, &self.articulation)
             }),
             payload: self.payload_seen,
             saturated,
+            airborne: true,
         }
     }
 

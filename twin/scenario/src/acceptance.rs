@@ -133,9 +133,9 @@ impl Score {
         if tick.measurement.t_s < FROM_S {
             return;
         }
-        let error = tick.residual - base;
+        let error = *tick.residual - **base;
         self.count += 1.0;
-        self.sum += tick.residual;
+        self.sum += *tick.residual;
         self.squares += tick.residual.component_mul(&tick.residual);
         self.errors += error.component_mul(&error);
     }

@@ -259,7 +259,7 @@ impl Watched {
         if tick.measurement.t_s < 1.0 {
             return;
         }
-        self.residuals.push(tick.residual);
+        self.residuals.push(*tick.residual);
         let touches = tick.truth.as_ref().is_some_and(|truth| truth.collision_force_n > 0.0);
         self.contact_ticks += u64::from(touches);
     }

@@ -91,12 +91,12 @@ impl Metrics {
             self.innovation.push(tick.adapted.innovation_mean_norm);
             self.innovation_peak = self.innovation_peak.max(tick.adapted.innovation_mean_norm);
         }
-        self.previous_residual = Some(tick.residual);
+        self.previous_residual = Some(*tick.residual);
         self.add_payload(tick);
     }
 
     fn add_tracking(&mut self, tick: &Tick) {
-        let chi = tick.truth.as_ref().map_or(&tick.measurement.chi, |truth| &truth.chi);
+        let chi = tick.truth.as_ref().map_or(&*tick.measurement.chi, |truth| &truth.chi);
         let mut e = tracking_error(chi, &tick.reference.chi_des);
         (e[3], e[4]) = (tick.control.error[3], tick.control.error[4]);
         let position_squared = e.fixed_rows::<3>(0).norm_squared();
@@ -110,8 +110,8 @@ impl Metrics {
             self.position_transport.add(position_squared);
         }
         if tick.reference.cruising {
-            let speed =
-                tick.truth.as_ref().map_or(&tick.measurement.chi_dot, |truth| &truth.chi_dot);
+            let measured = &*tick.measurement.chi_dot;
+            let speed = tick.truth.as_ref().map_or(measured, |truth| &truth.chi_dot);
             self.speed_sum += speed.fixed_rows::<3>(0).norm();
             self.speed_count += 1.0;
         }
@@ -123,7 +123,7 @@ impl Metrics {
             return;
         };
         self.residual_count += 1.0;
-        self.residual_sum += tick.residual;
+        self.residual_sum += *tick.residual;
         self.residual_squares += tick.residual.component_mul(&tick.residual);
         for row in 0..N {
             let r = tick.residual[row];

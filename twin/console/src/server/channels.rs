@@ -4,13 +4,14 @@ use std::sync::Arc;
 
 use crate::server::mirrored::NOT_IN_FORCE;
 use crate::server::protocol::ChannelInfo;
-use twin_core::notation::{Coords, MAX_ROTORS, ROWS, position};
+use twin_core::notation::{Coords, KnownCoords, MAX_ROTORS, ROWS, position};
 use twin_core::residual::PredictorInfo;
 use twin_core::tick::{Adapted, Forecast, Tick};
 use twin_core::tuning::Tuning;
 use twin_scenario::ActuatorLimits;
 
-type Take = Box<dyn Fn(&Sample) -> f64 + Send + Sync>;
+/// `None` is unknown.
+type Take = Box<dyn Fn(&Sample) -> Option<f64> + Send + Sync>;
 
 /// What a row is made of.
 #[derive(Clone, Copy, Debug)]
@@ -56,7 +57,7 @@ impl Channels {
         for (info, take) in Arc::make_mut(&mut channels.infos).iter_mut().zip(&mut channels.takes) {
             info.limits = None;
             if NOT_IN_FORCE.contains(&info.group.as_str()) {
-                *take = Box::new(|_| f64::NAN);
+                *take = Box::new(|_| None);
             }
             info.label = info.label.replace("desired", "expected").replace("error", "divergence");
         }
@@ -68,9 +69,9 @@ impl Channels {
         &self.infos
     }
 
-    /// The row of a tick; NaN is unknown.
+    /// The row of a tick: here alone an unknown number becomes NaN on the wire.
     pub fn row(&self, sample: &Sample) -> Arc<[f32]> {
-        self.takes.iter().map(|take| take(sample) as f32).collect()
+        self.takes.iter().map(|take| take(sample).map_or(f32::NAN, |value| value as f32)).collect()
     }
 }
 
@@ -82,26 +83,26 @@ struct Builder {
 }
 
 impl Builder {
-    fn add(
+    fn add<V: Into<Option<f64>>>(
         &mut self,
         group: &str,
         unit: &str,
         name: &str,
         label: &str,
-        take: impl Fn(&Tick, &Tuning) -> f64 + Send + Sync + 'static,
+        take: impl Fn(&Tick, &Tuning) -> V + Send + Sync + 'static,
     ) -> &mut ChannelInfo {
         self.add_sampled(group, unit, name, label, move |sample| take(sample.tick, sample.tuning))
     }
 
-    fn add_sampled(
+    fn add_sampled<V: Into<Option<f64>>>(
         &mut self,
         group: &str,
         unit: &str,
         name: &str,
         label: &str,
-        take: impl Fn(&Sample) -> f64 + Send + Sync + 'static,
+        take: impl Fn(&Sample) -> V + Send + Sync + 'static,
     ) -> &mut ChannelInfo {
-        self.takes.push(Box::new(take));
+        self.takes.push(Box::new(move |sample| take(sample).into()));
         self.infos.push_mut(ChannelInfo {
             name: name.to_owned(),
             label: label.to_owned(),
@@ -120,14 +121,14 @@ impl Builder {
         units: [&str; 2],
         stem: &str,
         label: &str,
-        take: fn(&Tick) -> Option<Coords>,
+        take: fn(&Tick) -> Option<KnownCoords>,
     ) {
         for (index, row) in ROWS.iter().enumerate() {
             let unit = units[usize::from(index >= 3)];
             let name = format!("{stem}.{row}");
             let scale = self.scale[index];
             let info = self.add(group, unit, &name, &format!("{label} {row}"), move |tick, _| {
-                take(tick).map_or(f64::NAN, |coords| coords[index])
+                take(tick)?.get(index)
             });
             info.row = Some((*row).to_owned());
             info.z_scale = (group == RESIDUAL).then_some(scale);
@@ -140,28 +141,26 @@ impl Builder {
         self.rows("tracking", UNITS, "chi_des", "desired", |tick| Some(tick.reference.chi_des));
         self.rows("tracking", UNITS, "error", "error", |tick| Some(tick.control.error));
         self.add("tracking", "m", "position_error_m", "position error", |tick, _| {
-            position(&tick.control.error).norm()
+            let error = &tick.control.error;
+            (error.known()[..3] == [true; 3]).then(|| position(error).norm())
         });
     }
 
     fn residual(&mut self) {
         const UNITS: [&str; 2] = ["N", "N m"];
         self.rows(RESIDUAL, UNITS, "residual", "measured r", |tick| Some(tick.residual));
-        self.rows(RESIDUAL, UNITS, "base", "base forecast", |tick| {
-            tick.forecast.base.first().copied()
-        });
+        self.rows(RESIDUAL, UNITS, "base", "base forecast", |t| t.forecast.base.first().copied());
         self.rows(RESIDUAL, UNITS, "adapted", "adapted forecast", |tick| Some(tick.adapted.r_hat));
-        self.rows(RESIDUAL, UNITS, "ahead", "k-step forecast", |tick| {
-            ahead(&tick.forecast, &tick.adapted)
+        self.rows(RESIDUAL, UNITS, "ahead", "k-step forecast", |t| ahead(&t.forecast, &t.adapted));
+        self.rows(RESIDUAL, UNITS, "r_hat", "estimate in force", |tick| {
+            // What is in force where the residual is unknown is the loop's own choice, and nothing that anybody knows.
+            Some(KnownCoords::from(tick.setpoint.r_hat).only(tick.residual.known()))
         });
-        self.rows(RESIDUAL, UNITS, "r_hat", "estimate in force", |tick| Some(tick.setpoint.r_hat));
     }
 
     fn adapter(&mut self) {
         const GROUP: &str = "adapter";
-        self.rows(GROUP, ["", ""], "innovation", "innovation", |tick| {
-            Some(tick.adapted.innovation)
-        });
+        self.rows(GROUP, ["", ""], "innovation", "innovation", |t| Some(t.adapted.innovation));
         self.add(GROUP, "", "innovation_mean", "mean innovation", |tick, _| {
             tick.adapted.innovation_mean_norm
         });
@@ -179,13 +178,11 @@ impl Builder {
     fn spectrum(&mut self) {
         let mut add = |name: &str, label: &str, take: fn(&[f64]) -> Option<&f64>| {
             self.add_sampled("adapter", "", name, label, move |sample| {
-                take(sample.spectrum).copied().unwrap_or(f64::NAN)
+                take(sample.spectrum).copied()
             });
         };
         add("covariance_eig_max", "largest eigenvalue of Σ", <[f64]>::first);
-        add("covariance_eig_median", "median eigenvalue of Σ", |values| {
-            values.get(values.len() / 2)
-        });
+        add("covariance_eig_median", "median eigenvalue of Σ", |v| v.get(v.len() / 2));
         add("covariance_eig_min", "smallest eigenvalue of Σ", <[f64]>::last);
     }
 
@@ -193,7 +190,7 @@ impl Builder {
     fn attention(&mut self, attends: &[String]) {
         for (index, channel) in attends.iter().enumerate() {
             self.add("attention", "", &format!("attention.{channel}"), channel, move |tick, _| {
-                tick.forecast.attention.get(index).copied().unwrap_or(f64::NAN)
+                tick.forecast.attention.get(index).copied()
             });
         }
     }
@@ -239,15 +236,14 @@ impl Builder {
             tick.measurement.gripper.opening_m
         });
         self.add("gripper", "N", "grip_force_n", "grip force, both pads", |tick, _| {
-            tick.truth.as_ref().map_or(f64::NAN, |truth| truth.grip_force_n)
+            tick.truth.as_ref().map(|truth| truth.grip_force_n)
         });
     }
 
     fn world(&mut self) {
         for (axis, name) in ["wind.x", "wind.y", "wind.z"].into_iter().enumerate() {
-            let label = name.replace('.', " ");
-            self.add("world", "m/s", name, &label, move |tick, _| {
-                tick.truth.as_ref().map_or(f64::NAN, |truth| truth.wind_in_world[axis])
+            self.add("world", "m/s", name, &name.replace('.', " "), move |tick, _| {
+                tick.truth.as_ref().map(|truth| truth.wind_in_world[axis])
             });
         }
     }
@@ -258,10 +254,11 @@ const RESIDUAL: &str = "residual";
 
 /// Adapted forecast for the end of the horizon, `r_hat(t+k|t)`; `None` if the predictor looks no further than this tick.
 /// The adapter corrects every step of the horizon by what it corrects the first.
-fn ahead(forecast: &Forecast, adapted: &Adapted) -> Option<Coords> {
+fn ahead(forecast: &Forecast, adapted: &Adapted) -> Option<KnownCoords> {
     let first = forecast.base.first()?;
     let last = forecast.base.get(1..)?.last()?;
-    Some(last + (adapted.r_hat - first))
+    let ahead = **last + (*adapted.r_hat - **first);
+    Some(KnownCoords::from(ahead).only(adapted.r_hat.known()))
 }
 
 /// Thrust of each rotor: the true one where somebody knows it, else the one asked for, N.
@@ -369,8 +366,8 @@ mod tests {
     #[test]
     fn the_forecast_ahead_is_the_last_step_with_the_correction_of_the_first() {
         let mut tick = fixture::tick(3);
-        tick.forecast.base = (0..=6).map(|j| Coords::repeat(f64::from(j))).collect();
-        tick.adapted.r_hat = Coords::repeat(0.25);
+        tick.forecast.base = (0..=6).map(|j| Coords::repeat(f64::from(j)).into()).collect();
+        tick.adapted.r_hat = Coords::repeat(0.25).into();
         assert_eq!(value(&channels(4), &tick, "ahead.q1").to_bits(), 6.25_f32.to_bits());
         tick.forecast.base.truncate(1);
         assert!(value(&channels(4), &tick, "ahead.q1").is_nan(), "nothing is looked ahead");

@@ -1,4 +1,4 @@
-//! What a mirrored flight is for the server: the recording in shadow, a stand-in to draw, and which numbers of a row are known.
+//! What a mirrored flight is for the server: the recording in shadow, a stand-in to draw, and what is refused.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -7,7 +7,7 @@ use std::sync::Arc;
 use crate::server::logbook::Logbook;
 use crate::server::pilot::{Mission, Orders};
 use crate::server::place::{Beside, Place};
-use crate::server::protocol::{ChannelInfo, ClientMessage, MirrorInfo, TwinAxis, TwinInfo};
+use crate::server::protocol::{ClientMessage, MirrorInfo, TwinAxis, TwinInfo};
 use crate::server::running::{Running, watch};
 use crate::server::{ServerError, launch};
 use twin_core::notation::{ROWS, TICK_S};
@@ -193,26 +193,6 @@ impl Mirrored {
         let target = self.tick_at(t_s);
         let first = target.saturating_sub(WARM_UP_TICKS);
         (first, target - first + 1)
-    }
-
-    /// Position and attitude are known at `tick`.
-    pub(super) fn is_seen(&self, tick: usize) -> bool {
-        self.shadow.film().known(tick).0[..6].iter().all(|known| *known)
-    }
-
-    /// `row` of telemetry with everything that is not known at `tick` as NaN.
-    pub(super) fn mask(&self, infos: &[ChannelInfo], row: &[f32], tick: usize) -> Arc<[f32]> {
-        let (coordinates, residuals) = self.shadow.film().known(tick);
-        let known = |info: &ChannelInfo| {
-            let index =
-                info.row.as_ref().and_then(|row| ROWS.iter().position(|known| known == row));
-            match index {
-                Some(index) if info.name.starts_with("chi.") => coordinates[index],
-                Some(index) => residuals[index],
-                None => true,
-            }
-        };
-        infos.iter().zip(row).map(|(info, v)| if known(info) { *v } else { f32::NAN }).collect()
     }
 }
 

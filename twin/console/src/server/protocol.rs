@@ -189,7 +189,7 @@ pub struct MirrorInfo {
     pub predictor: String,
     /// Where the applied force comes from, one sentence.
     pub force: String,
-    /// Rows whose residual is never known; their channels are NaN.
+    /// Rows whose residual is never known; the channels of residual and estimates are NaN there.
     pub unknown_rows: Vec<String>,
     /// Ticks of the recording.
     pub ticks: u64,

@@ -223,14 +223,8 @@ impl Sortie {
     /// The row and the picture of a tick.
     pub(super) fn draw(&self, tick: &Tick) -> (Arc<[f32]>, Arc<Picture>) {
         let sample = Sample { tick, tuning: self.flight.tuning(), spectrum: &self.spectrum };
-        let (row, mut picture) =
-            (self.channels.row(&sample), Picture::new(&self.scene, tick, &self.spectrum));
-        let Some(mirrored) = &self.mirrored else { return (row, Arc::new(picture)) };
-        let index = tick.index as usize;
-        if !mirrored.is_seen(index) {
-            picture.hide();
-        }
-        (mirrored.mask(self.channels.infos(), &row, index), Arc::new(picture))
+        let picture = Picture::new(&self.scene, tick, &self.spectrum);
+        (self.channels.row(&sample), Arc::new(picture))
     }
 
     /// Changes the world. A push that is repeated while it lasts is one event.

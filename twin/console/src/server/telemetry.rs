@@ -11,6 +11,7 @@
 use std::sync::Arc;
 
 use crate::server::protocol::PROTOCOL_VERSION;
+use twin_core::notation::KnownCoords;
 use twin_core::tick::{Pose, Tick};
 use twin_record::scene::{Scene, base_pose};
 
@@ -39,17 +40,21 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// What there is to draw at `tick`, with the eigenvalues of the adapter's covariance.
+    /// What there is to draw at `tick`, with the eigenvalues of the adapter's covariance. Nothing is drawn of a vehicle whose
+    /// position or attitude nobody knows.
     pub fn new(scene: &Scene, tick: &Tick, spectrum: &[f64]) -> Self {
+        let is_placed = |chi: &KnownCoords| chi.known()[..6] == [true; 6];
+        let is_seen = tick.truth.is_some() || is_placed(&tick.measurement.chi);
+        let ghost = is_seen && is_placed(&tick.reference.chi_des);
         let contacts = tick.truth.as_ref().map_or(&[][..], |truth| &truth.contacts);
         Self {
             t_s: tick.measurement.t_s,
             poses: scene
                 .poses_at(tick)
                 .iter()
-                .map(|pose| pose.as_ref().map_or([f32::NAN; 7], seven))
+                .map(|pose| pose.as_ref().filter(|_| is_seen).map_or([f32::NAN; 7], seven))
                 .collect(),
-            ghost: seven(&base_pose(&tick.reference.chi_des)),
+            ghost: if ghost { seven(&base_pose(&tick.reference.chi_des)) } else { [f32::NAN; 7] },
             contacts: contacts
                 .iter()
                 .take(MOST_CONTACTS)
@@ -79,14 +84,6 @@ pub struct Telemetry {
     pub reset: bool,
     /// Newest picture.
     pub picture: Arc<Picture>,
-}
-
-impl Picture {
-    /// Shows nothing: where the vehicle is, nobody knows.
-    pub fn hide(&mut self) {
-        self.poses.fill([f32::NAN; 7]);
-        self.ghost = [f32::NAN; 7];
-    }
 }
 
 impl Telemetry {

@@ -61,21 +61,21 @@ impl Controller for Adaptive {
         let force = position(&tau);
         let force = if gains.clips { gains.safe_set.clip_force(force, weight_n) } else { force };
         let setpoint = setpoint(force, input, r_hat, gains, (sliding_norm, sigma_hat));
-        (setpoint, ControlState { error: e, sliding: s, robust_gain: sigma_hat })
+        (setpoint, ControlState { error: e.into(), sliding: s.into(), robust_gain: sigma_hat })
     }
 }
 
 /// Tracking error and its rate, attitude rows against the command filter.
 pub(super) fn errors(input: &Input<'_>) -> (Coords, Coords) {
     let (eta_des, eta_des_dot) = input.desired_attitude;
-    let mut chi_des = input.reference.chi_des;
-    let mut chi_des_dot = input.reference.chi_des_dot;
+    let mut chi_des = *input.reference.chi_des;
+    let mut chi_des_dot = *input.reference.chi_des_dot;
     for i in 0..3 {
         chi_des[3 + i] = eta_des[i];
         chi_des_dot[3 + i] = eta_des_dot[i];
     }
     let m = input.measurement;
-    (tracking_error(&m.chi, &chi_des), m.chi_dot - chi_des_dot)
+    (tracking_error(&m.chi, &chi_des), *m.chi_dot - chi_des_dot)
 }
 
 /// The set-point that carries `force` and the references of the inner rows.

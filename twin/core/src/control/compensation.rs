@@ -74,8 +74,8 @@ mod tests {
     fn reference(adaptation: Adaptation) -> Reference {
         let zero = Coords::zeros();
         Reference {
-            chi_des: zero,
-            chi_des_dot: zero,
+            chi_des: zero.into(),
+            chi_des_dot: zero.into(),
             chi_des_ddot: zero,
             gripper: GripperCommand::Open,
             adaptation,

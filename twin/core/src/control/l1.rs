@@ -49,12 +49,12 @@ impl L1 {
         let forgotten = exp(pole * dt_s);
         let phi = (forgotten - 1.0) / pole;
         // The predictor over the period that ended now, under the force applied in it; exact for a constant acceleration.
-        let force = measured.tau_applied - input.nominal_gravity - self.sigma;
+        let force = *measured.tau_applied - input.nominal_gravity - self.sigma;
         let error = self.start.map_or_else(Coords::zeros, |(before, off)| {
             let expected = force.component_div(&gains.nominal_inertia) * phi;
-            off * forgotten + expected - (measured.chi_dot - before) * (phi / dt_s)
+            off * forgotten + expected - (*measured.chi_dot - before) * (phi / dt_s)
         });
-        self.start = Some((measured.chi_dot, error));
+        self.start = Some((*measured.chi_dot, error));
         self.sigma = gains.nominal_inertia.component_mul(&error) * (forgotten / phi);
         for row in 0..N {
             let corner = self.settings.cutoff_rad_s[usize::from(row >= 3)];
@@ -96,8 +96,8 @@ mod tests {
     fn settled(settings: L1Settings, seconds: f64) -> Coords {
         let (zero, force) = (Coords::zeros(), Coords::repeat(2.0));
         let reference = Reference {
-            chi_des: zero,
-            chi_des_dot: zero,
+            chi_des: zero.into(),
+            chi_des_dot: zero.into(),
             chi_des_ddot: zero,
             gripper: GripperCommand::Open,
             adaptation: Adaptation::Free,
@@ -109,13 +109,14 @@ mod tests {
         // At rest the applied force equals what it works against: r = tau.
         let measurement = Measurement {
             t_s: 0.0,
-            chi: zero,
-            chi_dot: zero,
-            chi_ddot: zero,
-            tau_applied: force,
+            chi: zero.into(),
+            chi_dot: zero.into(),
+            chi_ddot: zero.into(),
+            tau_applied: force.into(),
             gripper: GripperReading::default(),
             payload: None,
             saturated: false,
+            airborne: true,
         };
         let input = Input {
             measurement: &measurement,

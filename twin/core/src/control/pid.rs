@@ -59,6 +59,9 @@ impl Controller for Pid {
         }
         let force = gains.safe_set.clip_force(force, input.nominal_gravity[2]);
         let setpoint = setpoint(force, input, trim, &rows, (1.0, 0.0));
-        (setpoint, ControlState { error: e, sliding: Coords::zeros(), robust_gain: 0.0 })
+        (
+            setpoint,
+            ControlState { error: e.into(), sliding: Coords::zeros().into(), robust_gain: 0.0 },
+        )
     }
 }

@@ -74,7 +74,7 @@ impl Standard {
     fn forecast(&self, targets: &[f64]) -> Forecast {
         let force = |z: &[f64]| Coords::from_column_slice(z).component_mul(&self.std) + self.mean;
         Forecast {
-            base: targets.chunks_exact(N).map(force).collect(),
+            base: targets.chunks_exact(N).map(force).map(Into::into).collect(),
             regime: Vec::new(),
             attention: Vec::new(),
         }

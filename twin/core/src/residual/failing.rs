@@ -36,7 +36,7 @@ impl Predictor for Failing {
     fn predict(&mut self, history: &History) -> Forecast {
         let mut forecast = self.predictor.predict(history);
         if self.broken.iter().any(|calls| calls.contains(&self.calls)) {
-            forecast.base.fill(Coords::repeat(f64::NAN));
+            forecast.base.fill(Coords::repeat(f64::NAN).into());
             forecast.regime.fill(f64::NAN);
         }
         self.calls += 1;

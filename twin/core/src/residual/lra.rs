@@ -6,7 +6,7 @@
 use nalgebra::{Const, DMatrix, DVector, Dyn, OMatrix};
 use serde::{Deserialize, Serialize};
 
-use crate::notation::{Coords, N};
+use crate::notation::{Coords, KnownCoords, N};
 use crate::tick::{Adapted, Forecast};
 
 /// What an operator may change while flying.
@@ -100,12 +100,13 @@ impl Adapter {
     }
 
     /// Changes the weights by as little as makes the estimate for `forecast` equal `known` (N and N m): a known jump, such as a
-    /// payload that is put down, needs not be learned from its error.
+    /// payload that is put down, needs not be learned from its error. A row without a known forecast stays as it is.
     pub fn move_to(&mut self, forecast: &Forecast, known: &Coords) {
         let g = DVector::from_column_slice(&forecast.regime);
         let power = g.norm_squared();
-        let base = forecast.base.first().copied().unwrap_or_else(Coords::zeros);
-        let step = (known - base).component_div(&self.scale) - self.correction(&g);
+        let base = forecast.base.first().copied().unwrap_or_else(|| Coords::zeros().into());
+        let step = (known - *base).component_div(&self.scale) - self.correction(&g);
+        let step = KnownCoords::from(step).only(base.known()).or(&Coords::zeros());
         if g.len() == self.weights.nrows()
             && power > 0.0
             && power.is_finite()
@@ -116,31 +117,36 @@ impl Adapter {
     }
 
     /// One step of Algorithm 1, lines 5 to 8. With `frozen` the estimate is given but nothing is learned. A non-finite
-    /// input leaves the state as it was.
+    /// input leaves the state as it was. Of a row whose residual is unknown nothing is learned and nothing is said.
     pub fn step(
         &mut self,
         forecast: &Forecast,
-        residual: &Coords,
+        residual: &KnownCoords,
         dt_s: f64,
         frozen: bool,
         settings: &Settings,
     ) -> Adapted {
-        let base = forecast.base.first().copied().unwrap_or_else(Coords::zeros);
+        let base = forecast.base.first().map_or_else(Coords::zeros, |base| **base);
         let g = DVector::from_column_slice(&forecast.regime);
         let correction = self.correction(&g);
         let r_hat_prior = base + correction.component_mul(&self.scale);
         // lip: innovation with the weights of the previous tick
-        let innovation = (residual - r_hat_prior).component_div(&self.scale);
+        let innovation = (**residual - r_hat_prior).component_div(&self.scale);
+        let known = residual.known();
+        let said = |values: Coords| KnownCoords::from(values).only(known);
+        // An innovation of zero moves no weight.
+        let lesson = said(innovation).or(&Coords::zeros());
         let usable = settings.enabled
             && !frozen
             && g.len() == self.weights.nrows()
             && !g.is_empty()
-            && innovation.iter().chain(g.iter()).all(|v| v.is_finite());
+            && residual.is_any_known()
+            && lesson.iter().chain(g.iter()).all(|v| v.is_finite());
         let mut gain_norm = 0.0;
         let mut reset = false;
         if usable {
-            gain_norm = self.rls(&g, &innovation, settings);
-            reset = self.detect_reset(&innovation, dt_s, settings);
+            gain_norm = self.rls(&g, &lesson, settings);
+            reset = self.detect_reset(&lesson, dt_s, settings);
         }
         let r_hat = if settings.enabled {
             base + self.correction(&g).component_mul(&self.scale)
@@ -149,9 +155,9 @@ impl Adapter {
         };
         let diagonal = self.covariance.diagonal();
         Adapted {
-            r_hat, // r_adapt
-            r_hat_prior: if settings.enabled { r_hat_prior } else { base },
-            innovation,
+            r_hat: said(r_hat), // r_adapt
+            r_hat_prior: said(if settings.enabled { r_hat_prior } else { base }),
+            innovation: said(innovation),
             innovation_mean_norm: self.innovation_mean.norm(),
             covariance_trace: diagonal.sum(),
             covariance_max: diagonal.iter().copied().fold(0.0, f64::max),
@@ -219,7 +225,7 @@ mod tests {
     const BATCH_TOLERANCE: f64 = 1e-6;
 
     fn forecast(g: &[f64]) -> Forecast {
-        Forecast { base: vec![Coords::zeros()], regime: g.to_vec(), attention: Vec::new() }
+        Forecast { base: vec![Coords::zeros().into()], regime: g.to_vec(), attention: Vec::new() }
     }
 
     #[test]
@@ -252,7 +258,7 @@ mod tests {
             let mut a = DMatrix::identity(4, 4) * powi(lambda, total);
             let mut b = DVector::zeros(4);
             for (t, (g, y)) in data.iter().enumerate() {
-                adapter.step(&forecast(g), &Coords::repeat(*y), 0.01, false, &settings);
+                adapter.step(&forecast(g), &Coords::repeat(*y).into(), 0.01, false, &settings);
                 let g = DVector::from_column_slice(g);
                 let weight = powi(lambda, total - 1 - i32::try_from(t).unwrap());
                 a += &g * g.transpose() * weight;
@@ -270,7 +276,7 @@ mod tests {
             let settings = Settings::default();
             let mut adapter = Adapter::new(4, Coords::repeat(1.0), &settings);
             for g in &data {
-                let adapted = adapter.step(&forecast(g), &Coords::repeat(0.1), 0.01, false, &settings);
+                let adapted = adapter.step(&forecast(g), &Coords::repeat(0.1).into(), 0.01, false, &settings);
                 prop_assert!(adapted.covariance_trace <= settings.trace_cap_per_feature * 4.0 * (1.0 + 1e-12));
             }
             prop_assert_eq!(adapter.covariance().transpose(), adapter.covariance().clone());
@@ -282,11 +288,13 @@ mod tests {
         let settings = Settings { forgetting: 1.0, ..Settings::default() };
         let mut adapter = Adapter::new(1, Coords::repeat(1.0), &settings);
         for _ in 0..2000 {
-            adapter.step(&forecast(&[1.0]), &Coords::zeros(), 0.01, false, &settings);
+            adapter.step(&forecast(&[1.0]), &Coords::zeros().into(), 0.01, false, &settings);
         }
         let resets: Vec<usize> = (0..100)
             .filter(|_| {
-                adapter.step(&forecast(&[1.0]), &Coords::repeat(5.0), 0.01, false, &settings).reset
+                adapter
+                    .step(&forecast(&[1.0]), &Coords::repeat(5.0).into(), 0.01, false, &settings)
+                    .reset
             })
             .collect();
         assert_eq!(resets.len(), 1, "a collapsed covariance reopens once: {resets:?}");
@@ -296,22 +304,48 @@ mod tests {
     fn after_a_move_the_estimate_is_the_known_value() {
         let settings = Settings::default();
         let mut adapter = Adapter::new(2, Coords::repeat(2.0), &settings);
-        adapter.step(&forecast(&[1.0, 0.5]), &Coords::repeat(3.0), 0.01, false, &settings);
+        adapter.step(&forecast(&[1.0, 0.5]), &Coords::repeat(3.0).into(), 0.01, false, &settings);
         adapter.move_to(&forecast(&[1.0, 0.5]), &Coords::repeat(-5.0));
-        let after =
-            adapter.step(&forecast(&[1.0, 0.5]), &Coords::zeros(), 0.01, true, &settings).r_hat;
-        assert!((after - Coords::repeat(-5.0)).norm() < 1e-12);
+        let after = adapter
+            .step(&forecast(&[1.0, 0.5]), &Coords::zeros().into(), 0.01, true, &settings)
+            .r_hat;
+        assert!((*after - Coords::repeat(-5.0)).norm() < 1e-12);
+    }
+
+    #[test]
+    fn a_row_whose_residual_is_unknown_teaches_nothing_and_is_not_estimated() {
+        let settings = Settings::default();
+        let mut adapter = Adapter::new(1, Coords::repeat(1.0), &settings);
+        adapter.step(&forecast(&[1.0]), &Coords::repeat(1.0).into(), 0.01, false, &settings);
+        let before = adapter.weights().clone();
+        let mut known = [true; N];
+        known[1] = false;
+        let partly = KnownCoords::from(Coords::repeat(9.0)).only(known);
+        let adapted = adapter.step(&forecast(&[1.0]), &partly, 0.01, false, &settings);
+        for row in 0..N {
+            assert_eq!(adapter.weights()[row] == before[row], !known[row], "{row}");
+        }
+        assert_eq!((adapted.r_hat.known(), adapted.innovation.known()), (known, known));
+        let before = (adapter.weights().clone(), adapter.covariance().clone());
+        adapter.step(&forecast(&[1.0]), &KnownCoords::unknown(), 0.01, false, &settings);
+        assert_eq!(before, (adapter.weights().clone(), adapter.covariance().clone()));
     }
 
     #[test]
     fn frozen_or_non_finite_input_changes_nothing() {
         let settings = Settings::default();
         let mut adapter = Adapter::new(1, Coords::repeat(1.0), &settings);
-        adapter.step(&forecast(&[1.0]), &Coords::repeat(1.0), 0.01, false, &settings);
+        adapter.step(&forecast(&[1.0]), &Coords::repeat(1.0).into(), 0.01, false, &settings);
         let before = (adapter.weights().clone(), adapter.covariance().clone());
-        adapter.step(&forecast(&[1.0]), &Coords::repeat(9.0), 0.01, true, &settings);
-        adapter.step(&forecast(&[f64::NAN]), &Coords::repeat(9.0), 0.01, false, &settings);
-        adapter.step(&forecast(&[1.0]), &Coords::repeat(f64::INFINITY), 0.01, false, &settings);
+        adapter.step(&forecast(&[1.0]), &Coords::repeat(9.0).into(), 0.01, true, &settings);
+        adapter.step(&forecast(&[f64::NAN]), &Coords::repeat(9.0).into(), 0.01, false, &settings);
+        adapter.step(
+            &forecast(&[1.0]),
+            &Coords::repeat(f64::INFINITY).into(),
+            0.01,
+            false,
+            &settings,
+        );
         assert_eq!(before, (adapter.weights().clone(), adapter.covariance().clone()));
     }
 }

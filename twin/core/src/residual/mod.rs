@@ -85,5 +85,5 @@ pub const NOMINAL_SCALE: [f64; 8] = [1.44, 1.24, 1.87, 0.21, 0.62, 0.14, 0.57, 0
 
 /// The same forecast at every step of the horizon.
 fn constant_forecast(base: Coords, regime: Vec<f64>) -> Forecast {
-    Forecast { base: vec![base; HORIZON + 1], regime, attention: Vec::new() }
+    Forecast { base: vec![base.into(); HORIZON + 1], regime, attention: Vec::new() }
 }

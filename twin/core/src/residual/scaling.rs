@@ -72,7 +72,7 @@ impl Scaling {
             Coords::from_fn(|row, _| f64::from(z[row])).component_mul(&self.std) + self.mean
         };
         Forecast {
-            base: residual.chunks_exact(N).map(physical).collect(),
+            base: residual.chunks_exact(N).map(physical).map(Into::into).collect(),
             regime: regime.iter().map(|g| f64::from(*g) * self.regime_scale).collect(),
             attention: attention.iter().map(|weight| f64::from(*weight)).collect(),
         }

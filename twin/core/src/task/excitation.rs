@@ -136,15 +136,16 @@ mod tests {
             .map(|tick| {
                 let measurement = Measurement {
                     t_s: f64::from(tick) * DT_S,
-                    chi: zero,
-                    chi_dot: zero,
-                    chi_ddot: zero,
-                    tau_applied: zero,
+                    chi: zero.into(),
+                    chi_dot: zero.into(),
+                    chi_ddot: zero.into(),
+                    tau_applied: zero.into(),
                     gripper: GripperReading::default(),
                     payload: None,
                     saturated: false,
+                    airborne: true,
                 };
-                let view = View { measurement: &measurement, residual: &zero };
+                let view = View { measurement: &measurement, residual: &zero.into() };
                 let step = task.update(&view, DT_S);
                 assert_eq!(step.finished, tick == 30_000);
                 step.reference
@@ -155,7 +156,7 @@ mod tests {
     #[test]
     fn way_points_fill_the_box_and_stay_in_it_within_the_limits() {
         let references = flown(1);
-        let (mut low, mut high) = (references[0].chi_des, references[0].chi_des);
+        let (mut low, mut high) = (*references[0].chi_des, *references[0].chi_des);
         for reference in &references {
             low = low.zip_map(&reference.chi_des, f64::min);
             high = high.zip_map(&reference.chi_des, f64::max);

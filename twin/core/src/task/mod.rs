@@ -13,7 +13,7 @@ pub mod excitation;
 
 use nalgebra::{Isometry3, Vector2, Vector3};
 
-use crate::notation::Coords;
+use crate::notation::KnownCoords;
 use crate::tick::{Event, Measurement, Reference};
 
 pub use excitation::{Excitation, Region};
@@ -26,7 +26,7 @@ pub struct View<'a> {
     /// Measurement of this tick.
     pub measurement: &'a Measurement,
     /// Measured residual `r_t`, N and N m.
-    pub residual: &'a Coords,
+    pub residual: &'a KnownCoords,
 }
 
 /// What a task says at one tick.

@@ -102,8 +102,8 @@ impl Motion {
     pub fn reference(&self, gripper: GripperCommand) -> Reference {
         let expand = |p: &Posture| Coords::from([p[0], p[1], p[2], 0.0, 0.0, p[3], p[4], p[5]]);
         Reference {
-            chi_des: expand(&self.knot.value),
-            chi_des_dot: expand(&self.knot.rate),
+            chi_des: expand(&self.knot.value).into(),
+            chi_des_dot: expand(&self.knot.rate).into(),
             chi_des_ddot: expand(&self.knot.acceleration),
             gripper,
             adaptation: Adaptation::Free,

@@ -38,19 +38,19 @@ impl FlightPicture {
         Self { weight_n, ticks: Vec::new(), resets_s: Vec::new() }
     }
 
-    /// One tick; `known`: its vertical residual is.
-    pub fn add(&mut self, tick: &Tick, known: bool) {
+    /// One tick; nothing is drawn where its vertical residual is unknown.
+    pub fn add(&mut self, tick: &Tick) {
         let t_s = tick.measurement.t_s;
         if tick.adapted.reset {
             self.resets_s.push(t_s);
         }
-        let drawn = Drawn {
+        let drawn = |residual| Drawn {
             force: tick.measurement.tau_applied[Z],
-            residual: tick.residual[Z],
+            residual,
             estimate: tick.adapted.r_hat_prior[Z],
             innovation: tick.adapted.innovation_mean_norm,
         };
-        self.ticks.push((t_s, known.then_some(drawn)));
+        self.ticks.push((t_s, tick.residual.get(Z).map(drawn)));
     }
 
     /// As SVG.
@@ -105,6 +105,7 @@ impl FlightPicture {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use twin_core::notation::KnownCoords;
     use twin_record::fixture;
 
     #[test]
@@ -116,7 +117,10 @@ mod tests {
             tick.measurement.tau_applied[Z] = 26.0;
             tick.residual[Z] = 26.0;
             tick.adapted.reset = i == 50;
-            picture.add(&tick, i < 100);
+            if i >= 100 {
+                tick.residual = KnownCoords::unknown();
+            }
+            picture.add(&tick);
         }
         // 26 N where the weight of 19.62 N moved nothing else: 1.325 times too much.
         let gain = picture.curve("", true, |d| d.force / (d.force - d.residual + 19.62));

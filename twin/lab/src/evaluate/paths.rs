@@ -16,7 +16,7 @@ pub fn path(scenario: &Scenario, name: &str) -> Result<Picture, EvaluateError> {
     let report = fly(scenario, &mut |tick| {
         ticks += 1;
         if ticks % EVERY == 0 && tick.reference.transporting {
-            let at = tick.truth.as_ref().map_or(&tick.measurement.chi, |truth| &truth.chi);
+            let at = tick.truth.as_ref().map_or(&*tick.measurement.chi, |truth| &truth.chi);
             asked.push((tick.reference.chi_des[0], tick.reference.chi_des[1]));
             flown.push((at[0], at[1]));
         }

@@ -62,7 +62,7 @@ struct Instant {
 
 impl From<&Tick> for Instant {
     fn from(tick: &Tick) -> Self {
-        let chi = tick.truth.as_ref().map_or(&tick.measurement.chi, |truth| &truth.chi);
+        let chi = tick.truth.as_ref().map_or(&*tick.measurement.chi, |truth| &truth.chi);
         Self {
             t_s: tick.measurement.t_s,
             innovation: tick.adapted.innovation_mean_norm,

@@ -62,17 +62,17 @@ pub fn replay(entrant: &mut Entrant, series: &Series, statistics: &Statistics) -
         let forecast = entrant.predictor.predict(&history);
         let adapted = entrant.adapter.step(
             &forecast,
-            &sample.residual,
+            &sample.residual.into(),
             TICK_S,
             !sample.usable,
             &entrant.settings,
         );
         times_ms.push(started.elapsed().as_secs_f64() * 1e3);
-        let base = forecast.base.first().copied().unwrap_or_else(Coords::zeros);
-        let correction = adapted.r_hat_prior - base;
-        let ahead: Vec<Coords> = forecast.base.iter().map(|base| base + correction).collect();
+        let base = forecast.base.first().map_or_else(Coords::zeros, |base| **base);
+        let correction = *adapted.r_hat_prior - base;
+        let ahead: Vec<Coords> = forecast.base.iter().map(|base| **base + correction).collect();
         let counts = sample.usable && sample.t_s >= FROM_S;
-        traces.push([adapted.r_hat_prior, ahead.last().copied().unwrap_or(base)]);
+        traces.push([*adapted.r_hat_prior, ahead.last().copied().unwrap_or(base)]);
         score.add(ahead, &sample.residual, counts);
         if counts {
             resets += u64::from(adapted.reset);
@@ -96,8 +96,8 @@ pub fn replay(entrant: &mut Entrant, series: &Series, statistics: &Statistics) -
 
 /// `g'K`: one step moves the estimate by this part of the error it had.
 fn leverage(adapted: &twin_core::tick::Adapted, residual: &Coords) -> f64 {
-    let before = residual - adapted.r_hat_prior;
-    let moved = adapted.r_hat - adapted.r_hat_prior;
+    let before = residual - *adapted.r_hat_prior;
+    let moved = *adapted.r_hat - *adapted.r_hat_prior;
     let size = before.norm_squared();
     if size > 0.0 { moved.dot(&before) / size } else { 0.0 }
 }

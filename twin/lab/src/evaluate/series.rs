@@ -87,10 +87,10 @@ impl From<&Tick> for Sample {
     fn from(tick: &Tick) -> Self {
         Self {
             t_s: tick.measurement.t_s,
-            chi: tick.measurement.chi,
-            chi_dot: tick.measurement.chi_dot,
-            tau: tick.measurement.tau_applied,
-            residual: tick.residual,
+            chi: *tick.measurement.chi,
+            chi_dot: *tick.measurement.chi_dot,
+            tau: *tick.measurement.tau_applied,
+            residual: *tick.residual,
             usable: tick.reference.adaptation == Adaptation::Free
                 && !tick.reference.follows_measurement
                 && tick.fault.is_none(),

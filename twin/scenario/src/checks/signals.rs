@@ -16,7 +16,7 @@ const SIGNALS: &[(&str, Read)] = &[
     ("error_joints_rad", |tick| Some(error(tick).fixed_rows::<2>(6).norm())),
     ("estimate_error_m", |tick| {
         let truth = tick.truth.as_ref()?;
-        Some((tick.measurement.chi - truth.chi).fixed_rows::<3>(0).norm())
+        Some((*tick.measurement.chi - truth.chi).fixed_rows::<3>(0).norm())
     }),
     ("estimate_error_rad", |tick| {
         let truth = tick.truth.as_ref()?;
@@ -25,7 +25,8 @@ const SIGNALS: &[(&str, Read)] = &[
     }),
     ("height_m", |tick| Some(chi(tick)[2])),
     ("speed_m_s", |tick| {
-        let rates = tick.truth.as_ref().map_or(&tick.measurement.chi_dot, |truth| &truth.chi_dot);
+        let measured = &*tick.measurement.chi_dot;
+        let rates = tick.truth.as_ref().map_or(measured, |truth| &truth.chi_dot);
         Some(rates.fixed_rows::<3>(0).norm())
     }),
     ("tilt_rad", |tick| {
@@ -57,7 +58,7 @@ pub(super) fn find(name: &str) -> Option<Read> {
 }
 
 fn chi(tick: &Tick) -> &Coords {
-    tick.truth.as_ref().map_or(&tick.measurement.chi, |truth| &truth.chi)
+    tick.truth.as_ref().map_or(&*tick.measurement.chi, |truth| &truth.chi)
 }
 
 /// Tracking error of the true coordinates against the reference, m and rad.

@@ -50,8 +50,9 @@ impl Signals {
         if let Some(payload) = &m.payload {
             self.cube = Some(self.cube_filter.step(&payload.position_in_world, TIP_HZ, dt_s));
         }
-        self.r = *view.residual;
-        self.r_slow = self.residual_filter.step(view.residual, SLOW_HZ, dt_s);
+        // The task goes on with the residual that it saw last where none is known.
+        self.r = view.residual.or(&self.r);
+        self.r_slow = self.residual_filter.step(&self.r, SLOW_HZ, dt_s);
     }
 
     /// Tip error against `target` now and a moment ahead, m.
