@@ -239,7 +239,7 @@ impl Shared {
         }
     }
 
-    /// Whether enough messages arrived to judge the flight.
+    /// Whether messages have arrived for long enough to judge the flight.
     pub(super) fn is_ripe(&self) -> bool {
         let now_s = self.now_s();
         self.state().first_heard_s.is_some_and(|first_s| now_s - first_s > JUDGED_AFTER_S)
