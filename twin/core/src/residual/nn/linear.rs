@@ -14,7 +14,7 @@ pub struct Linear {
 }
 
 impl Linear {
-    /// The tensors `{stem}.weight` and, if there, `{stem}.bias`; `inputs` is at least 1.
+    /// Loads the tensors `{stem}.weight` and, if it exists, `{stem}.bias`; `inputs` is at least 1.
     pub fn load(weights: &Weights, stem: &str, inputs: usize) -> Self {
         Self {
             weight: weights.values(&format!("{stem}.weight")),
