@@ -32,7 +32,7 @@ pub struct Findings {
 }
 
 impl Findings {
-    /// Adds a problem; after [`MOST_PROBLEMS`] problems only the count grows.
+    /// Adds a problem; after `MOST_PROBLEMS` problems only the count grows.
     pub fn problem(&mut self, text: String) {
         if self.problems.len() < MOST_PROBLEMS {
             self.problems.push(text);

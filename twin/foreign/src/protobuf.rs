@@ -1,6 +1,6 @@
 //! Decodes Protobuf messages by the `FileDescriptorSet` that a recording embeds.
 //!
-//! The decoder accepts any bytes: it reserves no more memory than the message is long, follows no type deeper than [`DEEPEST`],
+//! The decoder accepts any bytes: it reserves no more memory than the message is long, follows no type deeper than `DEEPEST`,
 //! and always terminates. A number or text that was not sent has its proto3 default; a message that was not sent is absent.
 
 use std::collections::BTreeMap;

@@ -131,7 +131,7 @@ impl TimedPath {
         Knot { value: p, rate: p_u * u_dot, acceleration: p_u * u_ddot + p_uu * (u_dot * u_dot) }
     }
 
-    /// Position and velocity at `t_s`, but the lateral acceleration at `t_s` + [`LATERAL_LAG_S`].
+    /// Position and velocity at `t_s`, but the lateral acceleration at `t_s` + `LATERAL_LAG_S`.
     pub fn with_lead(&self, t_s: f64) -> Knot<3> {
         let mut knot = self.at(t_s);
         let ahead = self.at(t_s + LATERAL_LAG_S).acceleration;

@@ -56,9 +56,9 @@ pub(super) struct Long {
 pub struct Output {
     /// Forecast of the residual, z-scored, [k + 1, outputs].
     pub residual: Vec<f32>,
-    /// Regime latent `g'`, [d_k].
+    /// Regime latent `g'`, `[d_k]`.
     pub regime: Vec<f32>,
-    /// Attention of the global token over the channels, [channels]; it sums to one and is empty without the long memory.
+    /// Attention of the global token over the channels, `[channels]`; it sums to one and is empty without the long memory.
     pub attention: Vec<f32>,
 }
 

@@ -3,7 +3,7 @@
 //! In: f32 rows and weights packed in panels of [`LANES`] outputs. Out: f32 rows. No state.
 //!
 //! Every loop is written once, and a wrapper with the matching `target_feature` compiles it for each instruction set. The product
-//! names its registers through [`Lanes`]; the compiler chooses the registers of the other loops. Calling a wrapper on a processor
+//! names its registers through `Lanes`; the compiler chooses the registers of the other loops. Calling a wrapper on a processor
 //! without the feature is undefined behaviour, hence `unsafe`. A [`Kernel`] exists only where the processor has the features.
 //! Instruction sets round differently (a fused multiply-add rounds once), so the name of the kernel is part of a run's identity.
 #![allow(

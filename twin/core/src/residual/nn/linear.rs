@@ -7,7 +7,7 @@ use super::super::weights::Weights;
 pub struct Linear {
     /// `W`, [outputs, inputs].
     pub weight: Vec<f32>,
-    /// `b`, [outputs]; empty if there is none.
+    /// `b`, `[outputs]`; empty if there is none.
     pub bias: Vec<f32>,
     /// Width of an input.
     pub inputs: usize,

@@ -10,9 +10,9 @@ pub(super) const EPSILON: f32 = 1e-5;
 /// vector.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LayerNorm {
-    /// Scale, [d].
+    /// Scale, `[d]`.
     pub weight: Vec<f32>,
-    /// Offset, [d].
+    /// Offset, `[d]`.
     pub bias: Vec<f32>,
 }
 
