@@ -153,7 +153,7 @@ fn a_stream_of_the_older_protocol_is_followed_through_silence_and_a_lost_connect
 
     mood.store(SAYS, Ordering::Relaxed);
     until("positions after the silence", || live.is_up() && known_on_the_circle(&opened) > 50);
-    assert!(live.news().iter().any(|text| text.contains("goes on")));
+    assert!(live.news().iter().any(|text| text.contains("arrive again")));
 
     mood.store(HANGS_UP, Ordering::Relaxed);
     until("a lost connection", || live.news().iter().any(|text| text.contains("lost")));

@@ -500,7 +500,7 @@ with_residual: number,
 coasting: number, };
 
 /**
- * Whether the twin says where the vehicle goes.
+ * Verdict on the twin's prediction, relative to coasting and to the accuracy of the recording.
  */
 export type Light = "valid" | "doubtful" | "invalid";
 

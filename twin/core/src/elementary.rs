@@ -5,14 +5,14 @@
 //! IEEE 754 additions and multiplications alone. `clippy.toml` bans the methods. `sqrt`, `abs`, `floor`, `ceil`, `round` and
 //! `mul_add` stay methods, because IEEE 754 prescribes every bit of their results.
 //!
-//! In and out: f64 or f32, angles in rad. A non-finite input gives what IEEE 754 recommends: NaN, an infinity or a limit. No state.
+//! In and out: f64 or f32, angles in rad. A non-finite input gives the IEEE 754 result: NaN, an infinity or a limit. No state.
 
 use std::ops::{Div, Mul};
 
 macro_rules! functions {
     ($($(#[$doc:meta])* $name:ident($($x:ident),+) = $double:ident, $single:ident;)*) => {
-        /// A number that has the elementary functions: f64 and f32. None takes `self`, so that no method of the standard library
-        /// can stand in for it.
+        /// A number type with elementary functions: f64 or f32. No function takes `self`, so that a method of the standard
+        /// library cannot replace it by accident.
         pub trait Real: Copy + From<f32> + Mul<Output = Self> + Div<Output = Self> {
             $($(#[$doc])* fn $name($($x: Self),+) -> Self;)*
         }
@@ -50,7 +50,7 @@ functions! {
     ln(x) = log, logf;
     /// Decimal logarithm; NaN below zero.
     log10(x) = log10, log10f;
-    /// `x` to the power of `exponent`; NaN for a negative `x` with an exponent that is not whole.
+    /// `x` to the power of `exponent`; NaN for a negative `x` with a fractional exponent.
     powf(x, exponent) = pow, powf;
     /// Length of the vector (`x`, `y`), without overflow on the way.
     hypot(x, y) = hypot, hypotf;
@@ -68,7 +68,7 @@ pub fn squared<R: Real>(x: R) -> R {
     x * x
 }
 
-/// `x` to a whole power, by multiplications in a fixed order; for a negative power the reciprocal of that.
+/// `x` to a whole power, by multiplications in a fixed order; a negative power gives the reciprocal.
 pub fn powi<R: Real>(x: R, power: i32) -> R {
     let (mut square, mut left, mut product) = (x, power.unsigned_abs(), R::from(1.0));
     while left > 0 {
@@ -85,7 +85,7 @@ pub fn powi<R: Real>(x: R, power: i32) -> R {
 mod tests {
     use super::*;
 
-    /// Rows of a call, the bits of its correctly rounded value, and by how many units in the last place the function is off.
+    /// One case per call: the bits of its correctly rounded value, and the allowed error in units in the last place.
     macro_rules! rows {
         ($($call:expr, $bits:literal, $off:literal;)*) => { [$((stringify!($call), $call, $bits, $off)),*] };
     }
@@ -169,7 +169,7 @@ mod tests {
 
     #[test]
     fn whole_powers_are_products() {
-        // Exact in binary: no rounding hides a wrong order or count of factors.
+        // The products are exact in binary, so rounding cannot hide a wrong order or number of factors.
         assert_eq!(
             [powi(1.5, 0), powi(1.5, 3), powi(-3.0, 5), powi(2.0, -4)],
             [1.0, 3.375, -243.0, 0.0625]

@@ -14,7 +14,7 @@ pub struct Butterworth<const D: usize> {
 }
 
 impl<const D: usize> Butterworth<D> {
-    /// Corner `corner_hz` at sample period `dt_s`; the state starts at rest at zero.
+    /// A filter with corner frequency `corner_hz`, Hz, at sample period `dt_s`, s. Its state starts at rest at zero.
     pub fn new(corner_hz: f64, dt_s: f64) -> Self {
         let k = tan(PI * corner_hz * dt_s);
         let norm = 1.0 / (1.0 + SQRT_2 * k + k * k);
@@ -25,13 +25,13 @@ impl<const D: usize> Butterworth<D> {
         }
     }
 
-    /// Sets the state as if `value` had been the input for ever.
+    /// Sets the state to the steady state for the input `value`.
     pub fn settle(&mut self, value: &SVector<f64, D>) {
         self.z[0] = value * (1.0 - self.b[0]);
         self.z[1] = value * (self.b[2] - self.a[1]);
     }
 
-    /// One sample.
+    /// Filters one sample.
     pub fn step(&mut self, x: &SVector<f64, D>) -> SVector<f64, D> {
         let y = x * self.b[0] + self.z[0];
         self.z[0] = x * self.b[1] - y * self.a[0] + self.z[1];
@@ -47,12 +47,12 @@ pub struct LowPass<const D: usize> {
 }
 
 impl<const D: usize> LowPass<D> {
-    /// Takes its first input as its state.
+    /// A filter that takes its first input as its state.
     pub const fn new() -> Self {
         Self { value: None }
     }
 
-    /// One sample of `x` with corner `corner_hz`.
+    /// Filters one sample of `x` with corner frequency `corner_hz`, Hz, at sample period `dt_s`, s.
     pub fn step(&mut self, x: &SVector<f64, D>, corner_hz: f64, dt_s: f64) -> SVector<f64, D> {
         let blend = 1.0 - exp(-2.0 * PI * corner_hz * dt_s);
         let y = self.value.map_or(*x, |v| v + (x - v) * blend);
@@ -60,12 +60,12 @@ impl<const D: usize> LowPass<D> {
         y
     }
 
-    /// Continues from `value`.
+    /// Sets the state to `value`.
     pub fn jump(&mut self, value: &SVector<f64, D>) {
         self.value = Some(*value);
     }
 
-    /// Forgets everything.
+    /// Clears the state; the next input becomes the state.
     pub fn reset(&mut self) {
         self.value = None;
     }
@@ -83,7 +83,7 @@ mod tests {
     use crate::elementary::{cos, powi, sin};
     use nalgebra::{Complex, Vector1};
 
-    /// 0.1 %: what is left of the transient after 20 periods and of the sampled amplitude.
+    /// 0.1 %: the rest of the transient after 20 periods, and the error of the sampled amplitude.
     const AMPLITUDE_TOLERANCE: f64 = 1e-3;
 
     #[test]

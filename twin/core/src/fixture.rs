@@ -1,4 +1,4 @@
-//! Made-up ticks for unit tests: every field filled, no two numbers equal.
+//! Artificial ticks for unit tests: every field is set, and all numbers differ.
 
 use nalgebra::{Vector2, Vector3};
 
@@ -81,7 +81,7 @@ fn adapted(index: u64) -> Adapted {
     }
 }
 
-/// A tick with every field filled.
+/// A tick with every field set.
 pub fn tick(index: u64) -> Tick {
     Tick {
         index,

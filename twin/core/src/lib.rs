@@ -1,8 +1,8 @@
-//! The loop of the twin: what is measured, predicted, adapted and commanded in one control period, and what is flown.
+//! The loop of the twin: it measures, predicts, adapts and commands in every control period; and the tasks that it flies.
 //!
-//! Everything here is pure: no files, no clock, no threads, seeded randomness only, and the same numbers on every platform.
-//! Units are SI and radians; frames and symbols are in [`notation`]. Modules stand in reading order: after [`notation`] and
-//! [`tick`], read [`flight`]: it is one tick of the loop, top to bottom.
+//! Everything here is pure: no files, no clock, no threads, seeded randomness only, and the same numbers on every platform. Units
+//! are SI and radians. [`notation`] defines frames and symbols. Modules stand in reading order. After [`notation`] and [`tick`],
+//! read [`flight`]: one tick of the loop from top to bottom.
 
 pub mod elementary;
 pub mod normal;

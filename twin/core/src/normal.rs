@@ -1,10 +1,10 @@
 //! Draws from the normal distribution that have the same bits on every platform.
 //!
-//! `rand_distr` takes the exponential function and the logarithm from the system as soon as any crate of a build asks `num-traits` for
-//! its feature `std`, and nalgebra does. This is the same method with the functions of [`elementary`](crate::elementary), so the draws
-//! are those of `rand_distr` but for the last digit of a rare one.
+//! `rand_distr` takes the exponential function and the logarithm from the system as soon as any crate of a build asks
+//! `num-traits` for its feature `std`, and nalgebra does. This module uses the same method with the functions of
+//! [`elementary`](crate::elementary). Its draws equal those of `rand_distr`, except for the last digit of a rare draw.
 //!
-//! In: a generator. Out: f64 or f32. No state beside the table, which is computed once.
+//! In: a generator. Out: f64 or f32. No state except a table that is computed once.
 //!
 //! Source: Doornik, An Improved Ziggurat Method to Generate Normal Random Samples, 2005 (ZIGNOR).
 
@@ -18,13 +18,14 @@ use crate::elementary::{exp, ln, squared};
 /// Layers of equal area under the bell curve.
 const LAYERS: usize = 256;
 
-/// Where the tail begins: the right edge of the lowest layer's rectangle.
+/// Start of the tail: the right edge of the lowest layer's rectangle.
 const TAIL: f64 = 3.654_152_885_361_009;
 
-/// Area of a layer, to the digits with which `rand_distr` computed its table.
+/// Area of a layer, with the digits from which `rand_distr` computed its table.
 const AREA: f64 = 0.004_928_673_233_99;
 
-/// Right edges of the layers from the lowest, which is as wide as its area with the tail asks for, to the top, which is zero.
+/// Right edges of the layers, from the lowest to the top, which is zero. The width of the lowest is its area (tail included) over
+/// its height.
 static EDGES: LazyLock<[f64; LAYERS + 1]> = LazyLock::new(|| {
     let mut edges = [0.0; LAYERS + 1];
     edges[0] = AREA / density(TAIL);
@@ -69,12 +70,12 @@ impl Distribution<f32> for StandardNormal {
     }
 }
 
-/// The bell curve, one at its top.
+/// The bell curve, scaled to one at its top.
 fn density(x: f64) -> f64 {
     exp(-0.5 * squared(x))
 }
 
-/// A number in [2, 4) from the upper 52 bits, which become its fraction.
+/// A number in [2, 4) whose fraction is the upper 52 bits of `bits`.
 fn two_to_four(bits: u64) -> f64 {
     f64::from_bits(2.0_f64.to_bits() | (bits >> 12))
 }
@@ -98,7 +99,7 @@ mod tests {
 
     #[test]
     fn draws_are_those_of_rand_distr() {
-        // Logarithms of two libraries are a unit in the last place apart, and a draw of the tail adds one to TAIL.
+        // Logarithms of two libraries differ by one unit in the last place, and a draw of the tail adds one logarithm to TAIL.
         const TOLERANCE: f64 = 4.0 * f64::EPSILON;
         let (mut ours, mut theirs) = (Pcg64::seed_from_u64(7), Pcg64::seed_from_u64(7));
         let mut beyond = 0;
@@ -108,7 +109,7 @@ mod tests {
             assert!((x - y).abs() <= TOLERANCE, "{x} {y}");
             beyond += u32::from(x.abs() > TAIL);
         }
-        // 2.6e-4 of them are expected beyond TAIL, that is 52.
+        // 52 of them (2.6e-4) are expected beyond TAIL.
         assert!(beyond > 20, "the tail was drawn {beyond} times");
     }
 }

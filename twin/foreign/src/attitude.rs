@@ -1,4 +1,4 @@
-//! Attitudes out of the numbers of a message: measured, wanted, and that of a vehicle at rest.
+//! Attitudes from the numbers of a message: the measured one, the commanded one, and the tilt of a vehicle at rest.
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
@@ -8,15 +8,15 @@ use super::series::Attitudes;
 use super::topics::Quantity;
 use twin_core::notation::{TICK_S, euler_from_rotation, wrap_angle};
 
-/// The first second, in ticks, and how far a vehicle at rest turns in it.
+/// Length of the first second in ticks, and the largest angle in rad by which a vehicle at rest turns during it.
 const REST_SAMPLES: u32 = 100;
 const REST_RANGE_RAD: f64 = 0.02;
 
-/// `enu_from_flu` of a sample of `track`: a quaternion w x y z, or roll, pitch, yaw in rad.
+/// Rotation `enu_from_flu` of a sample of `track`, whose values are a quaternion w x y z, or roll, pitch, yaw in rad.
 pub(super) fn attitude_of(track: &Track, values: &[f64]) -> UnitQuaternion<f64> {
     let q = if let (false, [w, x, y, z]) = (track.quantity == Quantity::Euler, values) {
         let q = Quaternion::new(*w, *x, *y, *z);
-        // A quaternion of zero is no attitude: it becomes NaN and is counted as not finite.
+        // A zero quaternion describes no attitude. It becomes NaN, and the series counts it as not finite.
         if (q.norm() - 1.0).abs() < 0.1 {
             UnitQuaternion::new_normalize(q)
         } else {
@@ -29,7 +29,7 @@ pub(super) fn attitude_of(track: &Track, values: &[f64]) -> UnitQuaternion<f64> 
     frames::attitude(&q, track.rule.world, track.rule.body)
 }
 
-/// Roll, pitch and unwrapped yaw of attitudes in order of time, rad.
+/// Roll, pitch and unwrapped yaw of each attitude, rad; the attitudes are in order of time.
 pub(super) fn unwrapped(
     attitudes: impl Iterator<Item = (f64, UnitQuaternion<f64>)>,
 ) -> impl Iterator<Item = (f64, Vector3<f64>)> {
@@ -39,13 +39,13 @@ pub(super) fn unwrapped(
         if let Some(last) = last {
             eta.z = last + wrap_angle(eta.z - last);
         }
-        // What is no number does not end the yaw.
+        // A NaN does not interrupt the unwrapping of yaw.
         last = if eta.z.is_finite() { Some(eta.z) } else { last };
         (t_s, eta)
     })
 }
 
-/// Roll and pitch of the measured frame while the vehicle stands level and still in the first second; `None` if it moves.
+/// Roll and pitch of the measured frame during the first second, if the vehicle stands still and level then; `None` if it moves.
 pub(super) fn tilt_at_rest(attitudes: &Attitudes) -> Option<UnitQuaternion<f64>> {
     let start_s = attitudes.span()?.0;
     let at: Vec<UnitQuaternion<f64>> = (0..REST_SAMPLES)
@@ -61,7 +61,7 @@ pub(super) fn tilt_at_rest(attitudes: &Attitudes) -> Option<UnitQuaternion<f64>>
     })
 }
 
-/// The first three numbers.
+/// The first three values as a vector.
 pub(super) fn vector(values: &[f64]) -> Vector3<f64> {
     Vector3::from_fn(|row, _| values.get(row).copied().unwrap_or(f64::NAN))
 }

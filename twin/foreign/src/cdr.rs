@@ -1,6 +1,6 @@
-//! CDR (the form of ROS 2 messages on the wire), little and big endian, walked by a [`Layout`].
+//! Decodes CDR, the wire format of ROS 2 messages in little and big endian, along a [`Layout`].
 //!
-//! Total on any bytes: it reserves no more than the message is long, and ends.
+//! The decoder accepts any bytes: it reserves no more memory than the message is long, and it always terminates.
 
 use super::schema::{Count, Field, Kind, Layout, Primitive};
 use super::value::Value;
@@ -8,13 +8,13 @@ use super::value::Value;
 /// Length of the encapsulation header.
 const HEADER_BYTES: usize = 4;
 
-/// Most values of one message, so that arrays of arrays of nothing end.
+/// Largest number of values in one message, so that nested arrays of empty types terminate.
 const MOST_VALUES: usize = 1 << 20;
 
 /// Decodes one message.
 ///
 /// # Errors
-/// A sentence: what is wrong at which byte.
+/// A sentence that says what is wrong and at which byte.
 pub fn decode(layout: &Layout, message: &[u8]) -> Result<Value, String> {
     let little = match message.get(..2) {
         Some([0, 1]) => true,
@@ -31,7 +31,7 @@ pub fn decode(layout: &Layout, message: &[u8]) -> Result<Value, String> {
     reader.record(layout, 0)
 }
 
-/// Decodes one message of a ULog: little endian, nothing aligned, padding at its end left out.
+/// Decodes one message of a ULog file: little endian, without alignment, and without the padding at the end.
 ///
 /// # Errors
 /// As [`decode`].
@@ -52,7 +52,7 @@ impl Reader<'_> {
     fn record(&mut self, layout: &Layout, number: usize) -> Result<Value, String> {
         let fields = &layout.types[number];
         if fields.is_empty() {
-            // A type without fields is sent as one byte.
+            // CDR sends a type without fields as one byte.
             self.take::<1>()?;
         }
         let values = fields
@@ -68,7 +68,7 @@ impl Reader<'_> {
             Count::Fixed(count) => count,
             Count::Sequence => self.length()?,
         };
-        // Every element takes a byte or more.
+        // Every element takes at least one byte, so a larger count is damage.
         if count > self.body.len().saturating_sub(self.at) {
             return Err(format!("{} claims {count} elements at byte {}", field.name, self.at));
         }
@@ -102,7 +102,7 @@ impl Reader<'_> {
         let end = end.ok_or_else(|| format!("a text claims {length} bytes at byte {}", self.at))?;
         let bytes = &self.body[self.at..end];
         self.at = end;
-        // The terminating zero is counted.
+        // The length in the message includes the terminating zero.
         Ok(String::from_utf8_lossy(bytes.strip_suffix(&[0]).unwrap_or(bytes)).into_owned())
     }
 
@@ -130,7 +130,7 @@ impl Reader<'_> {
         })
     }
 
-    /// The next bytes, least significant first.
+    /// The next bytes in little-endian order.
     fn take<const D: usize>(&mut self) -> Result<[u8; D], String> {
         let bytes = self.body.get(self.at..).and_then(|rest| rest.first_chunk::<D>());
         let mut bytes =
@@ -150,7 +150,7 @@ mod tests {
 
     const TEXT: &str = "uint8 a\nfloat64 b\nstring name\nfloat32[] values\nInner inner\n===\nMSG: p/Inner\nint16 c\n";
 
-    /// Written out by hand from the CDR rules: each number is aligned to its size after the header.
+    /// A message written by hand from the CDR rules: each number is aligned to its size, counted from the end of the header.
     fn message(little: bool) -> Vec<u8> {
         let mut body: Vec<u8> = vec![7, 0, 0, 0, 0, 0, 0, 0];
         let order = |mut bytes: Vec<u8>| {

@@ -1,7 +1,7 @@
-//! One time for all topics: what the messages' own clocks are behind the recorder's.
+//! Brings all topics onto one clock: estimates the offset between the stamps in the messages and the recorder's log time.
 //!
-//! All topics with stamps of one kind share a clock, so one offset is estimated per kind (the median over topics of each
-//! topic's median of log time minus stamp): a topic that reaches the recorder late is not shifted for it.
+//! All topics whose stamps have one kind share a clock. One offset is therefore estimated per kind: the median over topics of
+//! each topic's median of log time minus stamp. A topic that reaches the recorder late keeps its stamps and is not shifted.
 
 use std::collections::BTreeMap;
 
@@ -10,36 +10,37 @@ use serde::Serialize;
 use super::gather::{Sample, Track};
 use super::topics::TimeSource;
 
-/// A topic whose own offset differs from its clock's by more has a clock of its own, ns.
+/// Largest difference between a topic's own offset and the offset of its kind, ns. Beyond it the topic has a clock of its own.
 const ANOTHER_CLOCK_NS: i64 = 1_000_000_000;
 
-/// A stamp farther from log time than this (its clock's offset taken away) is damage or a jump of that clock, ns.
+/// Largest distance between a stamp (offset added) and log time, ns. A stamp that is farther away is damaged, or its clock
+/// jumped.
 const FARTHEST_NS: u64 = 10_000_000_000;
 
-/// Which clock a topic's times are from.
+/// The clock that gives a topic its times.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Clock {
-    /// Log time.
+    /// Log time of the recorder.
     Log,
-    /// `header.stamp` or the like.
+    /// A stamp in the message, such as `header.stamp`.
     Stamp,
-    /// Microseconds of a flight controller.
+    /// A time in microseconds of a flight controller.
     Microseconds,
 }
 
-/// What is known about the time of one topic.
+/// Time base of one topic: its clock, and how that clock relates to log time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Timebase {
     /// The clock in use.
     pub clock: Clock,
-    /// What was added to a stamp to get log time, ns.
+    /// Offset from the stamp to log time, ns: log time = stamp + offset.
     pub offset_ns: i64,
-    /// By how much messages of this topic reach the recorder later than those of its clock in the median, ms.
+    /// Median delay with which messages of this topic reach the recorder, relative to other topics of the same clock, ms.
     pub latency_ms: f64,
 }
 
-/// The time base of every track, in order.
+/// The time base of every track, in the order of `tracks`.
 pub fn timebases(tracks: &[Track]) -> Vec<Timebase> {
     let own: Vec<Option<(Clock, i64)>> = tracks.iter().map(own_offset).collect();
     let mut by_clock: BTreeMap<Clock, Vec<i64>> = BTreeMap::new();
@@ -67,7 +68,7 @@ pub fn timebases(tracks: &[Track]) -> Vec<Timebase> {
         .collect()
 }
 
-/// Time of a sample on the common clock, ns; log time where its stamp cannot be right.
+/// Time of a sample on the common clock, ns. A sample whose stamp is missing or implausible gets its log time.
 pub fn common_ns(sample: &Sample, base: &Timebase) -> i64 {
     let log_ns = i64::try_from(sample.log_ns).unwrap_or(i64::MAX);
     match (base.clock, sample.stamp_ns) {
@@ -79,7 +80,7 @@ pub fn common_ns(sample: &Sample, base: &Timebase) -> i64 {
     }
 }
 
-/// Clock and median of log time minus stamp; `None` if most messages have no stamp.
+/// Clock of a track and the median of its log time minus stamp, ns; `None` if more than half of the samples have no stamp.
 fn own_offset(track: &Track) -> Option<(Clock, i64)> {
     let clock = match track.rule.time {
         TimeSource::Log => return None,

@@ -1,8 +1,8 @@
-//! Any MCAP file (or ULog, see `ulog`), also a damaged one: its records in file order, and in words what is wrong with it.
+//! Reads the records of an MCAP file (or of a ULog file, see `ulog`) in file order, also when the file is damaged.
 //!
-//! In: bytes. Out: schemas, channels and messages through a callback, then [`Findings`]. A chunk whose checksum does not hold
-//! is left out whole, so damage never yields a wrong value; a chunk that the end of the file cuts off is read to its last whole
-//! record. One chunk is held at a time.
+//! In: bytes. Out: schemas, channels and messages through a callback, then [`Findings`], which describe the damage in words. The
+//! reader skips a whole chunk if its checksum is wrong, so damage never yields a wrong value. If the file ends inside a chunk,
+//! the reader uses the whole records before the end. Memory holds one chunk at a time.
 
 use std::io::Read;
 
@@ -11,21 +11,22 @@ pub use super::findings::{ContainerError, Findings};
 use mcap::records::Record;
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
-/// Longest record and chunk that is read.
+/// Largest size of a record or a chunk that is read, bytes.
 pub(super) const LONGEST_RECORD_BYTES: u64 = 256 << 20;
 
-/// Opcodes that are read by this file itself: footer, chunk, end of the data.
+/// Opcodes that this module handles itself: footer, chunk, end of the data section.
 pub(super) const FOOTER: u8 = 0x02;
 pub(super) const CHUNK: u8 = 0x06;
 pub(super) const DATA_END: u8 = 0x0F;
 
-/// Length of opcode and length before every record.
+/// Bytes of opcode and length, which precede every record.
 pub(super) const HEAD_BYTES: usize = 9;
 
-/// Reads `input` to its end or to where it breaks; `on` sees every schema, channel, message and metadata record.
+/// Reads `input` to its end, or to the first byte where the file is broken. `on` receives every schema, channel, message and
+/// metadata record.
 ///
 /// # Errors
-/// [`ContainerError`] if the system refuses or the file is no MCAP; anything later is a problem in the findings.
+/// [`ContainerError`] if the system refuses, or the file is no MCAP file. Later damage becomes a problem in the findings.
 pub fn read(
     input: &mut impl Read,
     on: &mut dyn FnMut(Record<'_>),
@@ -69,13 +70,13 @@ pub fn read(
 enum Next {
     /// One whole record with its head.
     Record,
-    /// A record that no recorder writes.
+    /// A record that claims more bytes than any recorder writes; its claimed length.
     TooLong(u64),
-    /// The file ends here; what is left of a record is in the buffer.
+    /// The file ends here. The buffer contains the incomplete last record, if any.
     End,
 }
 
-/// The next record with its head into `record`.
+/// Reads the next record with its head into `record`.
 fn next(input: &mut impl Read, record: &mut Vec<u8>) -> std::io::Result<Next> {
     record.clear();
     fill(input, HEAD_BYTES as u64, record)?;
@@ -90,7 +91,7 @@ fn next(input: &mut impl Read, record: &mut Vec<u8>) -> std::io::Result<Next> {
     Ok(if whole { Next::Record } else { Next::End })
 }
 
-/// One record of the file; false after the end of the data.
+/// Handles one record of the file; returns false after the end of the data section.
 fn take(
     record: &[u8],
     offset: u64,
@@ -99,7 +100,7 @@ fn take(
 ) -> bool {
     let (opcode, body) = (record[0], &record[HEAD_BYTES..]);
     match opcode {
-        // What follows is an index of what was read, and what was never used.
+        // The summary section follows: an index of the records above, and the definitions of channels without a message.
         DATA_END | FOOTER => {
             findings.complete = true;
             false
@@ -124,7 +125,8 @@ fn take(
     }
 }
 
-/// Schemas and channels of the summary: those without a message stand nowhere else. Damage ends it, and loses nothing that was measured.
+/// Reads schemas and channels of the summary section. Channels without a message are defined nowhere else. Damage ends the
+/// reading here and loses no measurement.
 fn unused(input: &mut impl Read, record: &mut Vec<u8>, on: &mut dyn FnMut(Record<'_>)) {
     while let Ok(Next::Record) = next(input, record) {
         match mcap::parse_record(record[0], &record[HEAD_BYTES..]) {
@@ -135,7 +137,7 @@ fn unused(input: &mut impl Read, record: &mut Vec<u8>, on: &mut dyn FnMut(Record
     }
 }
 
-/// A whole chunk: all of its records, or none of them.
+/// Passes on all records of a whole chunk, or none of them if the chunk is damaged.
 fn chunk(record: &[u8], offset: u64, findings: &mut Findings, on: &mut dyn FnMut(Record<'_>)) {
     if let Ok(Record::Chunk { header, .. }) = mcap::parse_record(CHUNK, &record[HEAD_BYTES..]) {
         let name = if header.compression.is_empty() { "none".into() } else { header.compression };
@@ -157,11 +159,11 @@ fn chunk(record: &[u8], offset: u64, findings: &mut Findings, on: &mut dyn FnMut
     }
 }
 
-/// What is left of the last record of a file that ends too early.
+/// Reads the incomplete last record of a file that ends too early.
 fn cut_off(rest: &[u8], offset: u64, findings: &mut Findings, on: &mut dyn FnMut(Record<'_>)) {
     let mut seen = 0_u64;
     if rest.first() == Some(&CHUNK) && rest.len() > HEAD_BYTES {
-        // How it ends is known: too early.
+        // The error is always the early end, which the problem below reports.
         let _ = unpack(rest, false, &mut |record| {
             seen += 1;
             on(record);
@@ -173,7 +175,7 @@ fn cut_off(rest: &[u8], offset: u64, findings: &mut Findings, on: &mut dyn FnMut
     ));
 }
 
-/// The records inside a chunk record; `checked` compares the checksum before the first of them is seen.
+/// Passes on the records inside a chunk record. With `checked` the checksum is compared before `on` sees the first record.
 pub(super) fn unpack(
     mut bytes: &[u8],
     checked: bool,

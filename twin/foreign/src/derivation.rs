@@ -1,25 +1,25 @@
-//! From what an acceleration of a recorded flight is derived.
+//! The source from which an acceleration of a recorded flight is derived.
 
 use serde::Serialize;
 
-/// How an acceleration was got.
+/// How an acceleration was derived.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Derivation {
-    /// Slope of a measured velocity or angular velocity.
+    /// The slope of a measured velocity or angular velocity.
     MeasuredRate,
-    /// Accelerometer, its bias corrected by the position.
+    /// The accelerometer, with its bias corrected by the position.
     Accelerometer,
-    /// Twice differentiated pose.
+    /// The second derivative of the pose.
     Pose,
-    /// As it was recorded by this program.
+    /// A recording of this program, which contains the acceleration itself.
     Recorded,
-    /// There is nothing to derive it from.
+    /// No source: the acceleration is unknown.
     Unknown,
 }
 
 impl Derivation {
-    /// How often the acceleration and the force of the same rows pass `H`.
+    /// Number of times that the acceleration, and the applied force that belongs to it, pass the filter `H`.
     pub fn passes(self) -> usize {
         if self == Self::Pose { 2 } else { 1 }
     }

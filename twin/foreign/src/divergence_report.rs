@@ -1,61 +1,62 @@
-//! What the flights of the twin beside a recording say: how far off it is per axis and horizon, and whether it holds.
+//! The result of flying the twin beside a recording: its error per axis and horizon, and whether its prediction is valid.
 
 use serde::Serialize;
 use ts_rs::TS;
 
 use twin_core::notation::{ROWS, TICK_S};
 
-/// Ticks after which twin and flight are compared: 0.1, 0.5, 1 s.
+/// Horizons in ticks at which twin and recorded flight are compared: 0.1, 0.5 and 1 s.
 pub const HORIZONS: [usize; 3] = [10, 50, 100];
 
-/// Rows that are compared: those of the base.
+/// Number of coordinates that are compared: those of the base.
 pub const AXES: usize = 6;
 
-/// One number per axis of the base, m and rad.
+/// One number per coordinate of the base, m and rad.
 pub(super) type Axis = [f64; AXES];
 
-/// Motion capture, and the slope of its poses over 80 ms, are not better than this over a second, m or rad.
+/// Accuracy of the recorded motion over a second, m or rad: motion capture, and the slope of its poses over 80 ms, are no more
+/// accurate than this.
 const FLOOR: f64 = 0.02;
 
-/// A twin that says the motion at least so much better than coasting is good for something.
+/// Largest ratio of the twin's error to the coasting error at which the twin counts as valid.
 const GOOD_SHARE: f64 = 0.5;
 
-/// One flight of the twin.
+/// One flight of the twin from one point of the recording.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Shot {
-    /// When it starts, s of the recording.
+    /// Start of the flight, s of the recording.
     pub t_s: f64,
-    /// The torque is known, so its attitude is its own.
+    /// True if the torque is known and the twin flies its own attitude; false if it follows the recorded attitude.
     pub free: bool,
-    /// Per horizon and axis.
+    /// Errors per horizon and coordinate.
     pub after: [[Miss; AXES]; HORIZONS.len()],
 }
 
-/// How far from the flight, m or rad; `None` where it is not compared.
+/// Distance from the recorded flight after one horizon, m or rad; `None` where it is not compared.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Miss {
-    /// The twin.
+    /// Error of the twin.
     pub twin: Option<f64>,
-    /// The twin with the residual of before the start.
+    /// Error of the twin with the residual that was measured before the start.
     pub with_residual: Option<f64>,
-    /// What simply went on as it moved at the start.
+    /// Error of coasting: the vehicle continues with its velocity at the start.
     pub coasting: Option<f64>,
 }
 
-/// Whether the twin says where the vehicle goes.
+/// Verdict on the twin's prediction, relative to coasting and to the accuracy of the recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, TS)]
 #[serde(rename_all = "snake_case")]
 pub enum Light {
-    /// Its error is below half of that of coasting, or below what is measured.
+    /// The twin's error is below half of the coasting error, or below the accuracy of the recording.
     Valid,
-    /// Better than coasting, or within twice of what is measured.
+    /// The twin's error is below the coasting error, or below twice the accuracy of the recording.
     Doubtful,
-    /// Going on as before says it better.
+    /// Coasting predicts the motion better than the twin.
     Invalid,
 }
 
 impl Light {
-    /// Of an error beside that of coasting, m or rad.
+    /// Verdict on `error` by comparison with the error of `coasting`, both m or rad.
     pub fn of(error: f64, coasting: f64) -> Self {
         let (error, coasting) = (error.abs(), coasting.abs());
         if error <= (GOOD_SHARE * coasting).max(FLOOR) {
@@ -67,58 +68,58 @@ impl Light {
         }
     }
 
-    /// The worst of what is compared of a flight of the twin.
+    /// Worst verdict over the coordinates that were compared; `None` if none was.
     pub fn worst(misses: &[Miss; AXES]) -> Option<Self> {
         misses.iter().filter_map(|m| Some(Self::of(m.twin?, m.coasting?))).max()
     }
 }
 
-/// All flights of the twin along a recording.
+/// Summary of all flights of the twin along a recording.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Report {
-    /// What flew.
+    /// Name of the vehicle that the twin flew.
     pub twin: String,
-    /// Under which commands.
+    /// The commands that the twin received, in words.
     pub commands: &'static str,
-    /// Flights.
+    /// Number of flights.
     pub flights: usize,
-    /// Per horizon.
+    /// Errors per horizon.
     pub horizons: Vec<Horizon>,
-    /// The worst axis at the second horizon (0.5 s); absent if nothing could be compared.
+    /// Worst verdict over the axes at the second horizon (0.5 s); `None` if nothing could be compared.
     pub light: Option<Light>,
-    /// The same of the twin with the residual of the half second before each start.
+    /// The same verdict for the twin with the residual of the half second before each start.
     pub light_with_residual: Option<Light>,
 }
 
-/// One horizon.
+/// Errors at one horizon.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Horizon {
     /// Time from the start of each flight, s.
     pub horizon_s: f64,
-    /// Axes that are compared.
+    /// The axes that are compared.
     pub axes: Vec<AxisReport>,
 }
 
-/// Root mean square errors of one axis, in `unit`.
+/// Root mean square errors of one coordinate, in `unit`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct AxisReport {
-    /// Name of the row.
+    /// Name of the coordinate.
     pub row: &'static str,
-    /// m or rad.
+    /// Unit of the errors: m or rad.
     pub unit: &'static str,
-    /// Of the twin.
+    /// Error of the twin.
     pub twin_rms: f64,
-    /// Of the twin with the residual of before the start.
+    /// Error of the twin with the residual that was measured before the start.
     pub with_residual_rms: f64,
-    /// Of what simply went on as it moved.
+    /// Error of coasting.
     pub coasting_rms: f64,
-    /// Of the twin.
+    /// Verdict on the twin.
     pub light: Light,
-    /// Of the twin with the residual.
+    /// Verdict on the twin with the residual.
     pub light_with_residual: Light,
 }
 
-/// The report of these flights, `held` if they have the attitude of the recording.
+/// Summarises `shots`. `held` describes the commands if the flights follow the recorded attitude.
 pub(super) fn report(twin: &str, held: &'static str, shots: &[Shot]) -> Report {
     let horizons: Vec<Horizon> = HORIZONS
         .iter()
@@ -132,7 +133,7 @@ pub(super) fn report(twin: &str, held: &'static str, shots: &[Shot]) -> Report {
     Report {
         twin: twin.to_owned(),
         commands: match shots.first() {
-            None => "none: force and motion are nowhere known for long enough",
+            None => "none: no part of the recording has known force and motion for long enough",
             Some(shot) if shot.free => "recorded force and torque",
             Some(_) => held,
         },

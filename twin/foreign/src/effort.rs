@@ -1,4 +1,4 @@
-//! Force that the actuators apply, from the best source a recording has, and whether the vehicle flies at all.
+//! The applied force from the best source that a recording has, and the ticks at which the vehicle is airborne.
 
 use nalgebra::{Vector1, Vector3};
 use serde::Serialize;
@@ -11,63 +11,65 @@ use super::topics::Quantity;
 use super::torque_gains::Torque;
 use twin_core::notation::{GRAVITY_M_S2, world_from_body};
 
-/// Least thrust of a vehicle in the air, as a share of the largest.
+/// Least thrust of an airborne vehicle, as a share of the largest thrust.
 const LEAST_THRUST: f64 = 0.05;
 
-/// Thrust above the threshold for fewer ticks is no flight, below it for fewer ticks no landing: 0.5 s.
+/// Shortest flight and shortest landing, ticks (0.5 s): a shorter time above the threshold is a spike, a shorter time below it is
+/// a dip.
 const SHORT_TICKS: usize = 50;
 
-/// Where the applied force comes from.
+/// The source of the applied force.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case", tag = "kind")]
 pub enum Effort {
-    /// Force and torque in N and N m as logged. The fit says how much of it moved the mass.
+    /// Force and torque in N and N m as logged.
     Wrench {
-        /// `1 / gain` is the mass that fits, kg; in the unit m/s² per N.
+        /// Fit of the logged force to the motion, in m/s² per N; `1 / gain` is the mass in kg that explains the motion.
         fit: Option<ThrustFit>,
     },
-    /// Normalised thrust times the fitted gain and the mass.
+    /// Normalised thrust, multiplied by the fitted gain and the mass.
     Fitted {
-        /// What the input is.
+        /// The quantity that gives the thrust.
         input: Quantity,
-        /// The fit.
+        /// The fit of its gain.
         fit: ThrustFit,
-        /// What the normalised torques beside it are.
+        /// Gains of the normalised torques.
         torque: Box<Torque>,
     },
-    /// As the simulated vehicle that was recorded measured it.
+    /// The force that the simulated vehicle of a recording of this program measured.
     Recorded,
-    /// No force is known.
+    /// The force is unknown.
     Unknown {
-        /// Why.
+        /// The reason.
         why: String,
     },
 }
 
-/// Force, its source, and where the vehicle flies.
+/// The force, its source, and the ticks at which the vehicle is airborne.
 pub(super) struct Found {
-    /// Force in the body per tick, N, before `H`.
+    /// Force in the body frame per tick, N, before the filter `H`.
     pub body_force: Ticks<3>,
-    /// Its source.
+    /// Source of the force.
     pub effort: Effort,
-    /// Per tick.
+    /// Whether the vehicle is airborne, per tick.
     pub airborne: Vec<bool>,
-    /// Thrust above which it flies, in the thrust's unit.
+    /// Thrust above which the vehicle counts as airborne, in the unit of the thrust.
     pub threshold: f64,
 }
 
-/// What was found for the whole of a flight of which a part is read.
+/// Results for a whole flight, which a part of that flight reuses.
 #[derive(Clone, Debug)]
 pub(super) struct Settled {
-    /// Where the force comes from.
+    /// Source of the force.
     pub effort: Effort,
     /// Mass in use, kg.
     pub mass_kg: f64,
-    /// As [`Found::threshold`].
+    /// Threshold as in [`Found::threshold`].
     pub threshold: f64,
 }
 
-/// Force in the body, N, from the best source there is. `acceleration` passed `H` `passes` times. What is `settled` is not fitted.
+/// Force in the body frame, N, from the best source in `signals`. `acceleration` has passed `H` `passes` times. With `settled`
+/// nothing is fitted anew.
 pub(super) fn effort(
     signals: &Signals,
     times_s: &[f64],
@@ -115,7 +117,7 @@ pub(super) fn effort(
         None => fit(thrust, times_s, &specific_force, passes, LEAST_THRUST),
         Some(Effort::Fitted { fit, .. }) => Ok(*fit),
         Some(Effort::Unknown { why }) => Err(why.clone()),
-        Some(_) => Err("the flight has a wrench, and this part of it none".to_owned()),
+        Some(_) => Err("the flight has a wrench, but this part of the flight has none".to_owned()),
     };
     match fitted {
         Err(why) => unknown(why),
@@ -129,7 +131,7 @@ pub(super) fn effort(
                 effort: Effort::Fitted {
                     input: *input,
                     fit,
-                    torque: Box::new(Torque::unknown(None, "not looked for")),
+                    torque: Box::new(Torque::unknown(None, "the torque was not estimated")),
                 },
                 airborne: airborne(thrust, times_s, threshold),
                 threshold,
@@ -138,12 +140,12 @@ pub(super) fn effort(
     }
 }
 
-/// Half of the 90 % quantile of the thrust.
+/// Half of the 90 % quantile of the thrust, but at least `least`.
 fn threshold(thrust: &Series<1>, least: f64) -> f64 {
     (high(thrust) * AIRBORNE_SHARE).max(least)
 }
 
-/// Where the thrust is above `threshold`, short spikes and short dips left out.
+/// Whether the thrust exceeds `threshold` at each tick, without short spikes and short dips.
 fn airborne(thrust: &Series<1>, times_s: &[f64], threshold: f64) -> Vec<bool> {
     let mut flies: Vec<bool> =
         times_s.iter().map(|t_s| thrust.linear(*t_s).is_some_and(|u| u.x > threshold)).collect();

@@ -1,38 +1,38 @@
-//! What was met in a file of any kind: its form, its damage in words, and why it cannot be read at all.
+//! What the reader of a recording found: the form of the container, its damage in words, and the errors that prevent reading.
 
 use std::collections::BTreeSet;
 use std::io::{ErrorKind, Read};
 
 use serde::Serialize;
 
-/// Most problems that are kept; the rest is counted.
+/// Largest number of problems that are stored as text; further problems are only counted.
 const MOST_PROBLEMS: usize = 20;
 
-/// What the file is like as a container.
+/// Form of the container and its damage.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Findings {
     /// Profile named in the header, such as `ros2`.
     pub profile: String,
     /// Program that wrote the file.
     pub library: String,
-    /// Compressions met: `none`, `zstd`, `lz4` or an unknown word.
+    /// Compressions that occur: `none`, `zstd`, `lz4`, or the name of an unknown one.
     pub compressions: BTreeSet<String>,
-    /// Chunks read whole.
+    /// Number of chunks that were read whole.
     pub chunks: u64,
-    /// Chunks left out, because they are damaged or cannot be unpacked.
+    /// Number of chunks that were skipped because they are damaged or cannot be unpacked.
     pub chunks_lost: u64,
-    /// The data section ends as it should and a footer follows.
+    /// True if the data section has its end record and a footer follows.
     pub complete: bool,
-    /// Times a flight controller could not keep up with logging.
+    /// Number of dropouts: times at which the flight controller could not keep up with logging.
     pub dropouts: u64,
-    /// What is wrong, a sentence each.
+    /// Problems of the file, one sentence each.
     pub problems: Vec<String>,
-    /// Problems beyond those listed.
+    /// Number of further problems that are not listed.
     pub more_problems: u64,
 }
 
 impl Findings {
-    /// Notes a problem; beyond a number they are only counted.
+    /// Adds a problem; after `MOST_PROBLEMS` problems only the count grows.
     pub fn problem(&mut self, text: String) {
         if self.problems.len() < MOST_PROBLEMS {
             self.problems.push(text);
@@ -42,21 +42,21 @@ impl Findings {
     }
 }
 
-/// Why nothing can be read.
+/// Why a file cannot be read at all.
 #[derive(Debug, thiserror::Error)]
 pub enum ContainerError {
-    /// The system refuses.
+    /// The system refuses to read the file.
     #[error("cannot be read: {0}; check the path and the permissions")]
     Unreadable(#[from] std::io::Error),
-    /// It is something else.
+    /// The file is neither MCAP nor ULog.
     #[error("not an MCAP file: it starts with {found:?}, expected {expected:?} (or a ULog, which starts with \"ULog\"); check the path, or convert it with the `mcap` tool", expected = mcap::MAGIC.escape_ascii().to_string())]
     NotMcap {
-        /// Its first bytes.
+        /// The first bytes of the file.
         found: String,
     },
 }
 
-/// Appends `length` bytes if there are so many; false at the end of the file.
+/// Appends `length` bytes of the input to the buffer; returns false if the input ends before that.
 pub(super) fn fill(
     input: &mut impl Read,
     length: u64,

@@ -1,7 +1,8 @@
-//! A long flight of another program, read part by part through its index.
+//! A long flight of another program, read part by part through the index of its file.
 //!
-//! What was chosen and fitted for all of it is fixed. A part is read with some time before and after it, so that interpolation,
-//! filters and the accelerometer's bias are the same inside it as if more had been read.
+//! Sources, clocks and gains were chosen and fitted once for the whole flight and stay fixed. Each part is read with some time
+//! before and after it. Interpolation, filters and the bias of the accelerometer therefore give the same values as a longer part
+//! would.
 
 use std::collections::{BTreeSet, VecDeque};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -16,20 +17,20 @@ use super::signals::{Signals, signals_as};
 use super::topics::Map;
 use twin_core::notation::TICK_S;
 
-/// Time read before a part, s: filters settle in 0.25, a landing is told from a dip in 1, and the accelerometer's bias needs 2 to
-/// be found anew.
+/// Time that is read before a part, s. Filters settle within 0.25 s, telling a landing from a dip takes 1 s, and estimating the
+/// bias of the accelerometer takes 2 s.
 const BEFORE_S: f64 = 4.0;
 
-/// Time read after a part, s: a flight is told from a spike, and the thrust's longest lag.
+/// Time that is read after a part, s: enough to tell a flight from a spike, and for the longest lag of the thrust.
 const AFTER_S: f64 = 1.5;
 
-/// How much later or earlier than measured a message may have been logged, s.
+/// Largest difference between log time and measured time of a message, s.
 const LOGGED_S: f64 = 1.5;
 
-/// Samples that are kept decoded; a long run of parts then decodes every chunk once.
+/// Number of decoded samples that stay in memory, so that consecutive parts decode every chunk once.
 const KEPT_SAMPLES: usize = 200_000;
 
-/// A long flight.
+/// A long flight of another program.
 #[derive(Debug)]
 pub(super) struct ForeignFootage {
     index: Index,
@@ -38,7 +39,7 @@ pub(super) struct ForeignFootage {
     settled: Settled,
     start_s: f64,
     ticks: usize,
-    /// The tracks in use without samples, in the order of the decoder.
+    /// The tracks in use, without samples, in the order of the decoder.
     tracks: Vec<Track>,
     decoder: Mutex<Decoder>,
 }
@@ -46,15 +47,15 @@ pub(super) struct ForeignFootage {
 #[derive(Debug)]
 struct Decoder {
     collector: Collector<Arc<Map>>,
-    /// Samples per track of chunks by number, last used last.
+    /// Samples per track of the most recently used chunks, by chunk number; the last used chunk is last.
     chunks: VecDeque<(usize, Vec<Vec<Sample>>)>,
     troubles: Vec<String>,
-    /// Chunks that were found damaged, so that each is said once.
+    /// Numbers of the damaged chunks, so that each is reported once.
     damaged: BTreeSet<usize>,
 }
 
 impl ForeignFootage {
-    /// The flight in `index` of so many ticks from a time on, s.
+    /// The flight in `index` with `ticks` ticks from a start time on, s.
     pub(super) fn new(
         index: Index,
         map: &Map,
@@ -85,7 +86,7 @@ impl ForeignFootage {
             self.index.between(logged(from_s - LOGGED_S), logged(to_s + LOGGED_S)).collect();
         let mut tracks = self.tracks.clone();
         let bases = super::signals::bases_as(&tracks, &self.chosen);
-        // Whoever failed left whole chunks.
+        // A thread that panicked left only whole chunks behind.
         let mut decoder = self.decoder.lock().unwrap_or_else(PoisonError::into_inner);
         for number in chunks {
             let samples = decoder.chunk(&self.index, number);
@@ -99,7 +100,7 @@ impl ForeignFootage {
 }
 
 impl Decoder {
-    /// Samples of a chunk per track; none of a damaged one.
+    /// Samples of a chunk per track; no samples if the chunk is damaged.
     fn chunk(&mut self, index: &Index, number: usize) -> &[Vec<Sample>] {
         let kept = self.chunks.iter().position(|(known, _)| *known == number);
         let chunk = match kept.and_then(|at| self.chunks.remove(at)) {
@@ -141,7 +142,7 @@ impl Footage for ForeignFootage {
         let first = from.saturating_sub(ticks(BEFORE_S));
         let last = (to + ticks(AFTER_S)).min(self.ticks);
         let time_s = |tick: usize| self.start_s + tick as f64 * TICK_S;
-        // A sample more on each side, for the interpolation.
+        // One more sample on each side serves the interpolation.
         let tracks = self.tracks(time_s(first) - 0.5, time_s(last) + 0.5);
         let signals = signals_as(&tracks, &self.chosen);
         let times_s = (first..last).map(time_s).collect();

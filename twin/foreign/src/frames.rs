@@ -1,10 +1,10 @@
-//! The one place where NED and FRD become ENU and FLU.
+//! Converts NED and FRD to ENU and FLU. No other module does.
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use super::topics::{Body, World};
 
-/// `enu_from_world`: a rotation.
+/// The rotation `enu_from_world`.
 fn enu_from(world: World) -> Matrix3<f64> {
     match world {
         World::Enu => Matrix3::identity(),
@@ -12,7 +12,7 @@ fn enu_from(world: World) -> Matrix3<f64> {
     }
 }
 
-/// `flu_from_body`: a rotation, its own inverse.
+/// The rotation `flu_from_body`, which is its own inverse.
 fn flu_from(body: Body) -> Matrix3<f64> {
     match body {
         Body::Flu => Matrix3::identity(),
@@ -20,17 +20,17 @@ fn flu_from(body: Body) -> Matrix3<f64> {
     }
 }
 
-/// A vector in the world (m, m/s …) in ENU.
+/// Converts a vector in the world frame to ENU, in its own unit (m, m/s …).
 pub fn world_vector(vector: &Vector3<f64>, world: World) -> Vector3<f64> {
     enu_from(world) * vector
 }
 
-/// A vector in the body (rad/s, N, N m …) in FLU.
+/// Converts a vector in the body frame to FLU, in its own unit (rad/s, N, N m …).
 pub fn body_vector(vector: &Vector3<f64>, body: Body) -> Vector3<f64> {
     flu_from(body) * vector
 }
 
-/// `enu_from_flu` from the world-from-body rotation in the given axes.
+/// The rotation `enu_from_flu`, from the world-from-body rotation in the given axes.
 pub fn attitude(
     world_from_body: &UnitQuaternion<f64>,
     world: World,
@@ -49,7 +49,7 @@ mod tests {
     use std::f64::consts::FRAC_PI_2;
     use twin_core::notation::euler_from_rotation;
 
-    /// A handful of products.
+    /// Rounding error of a few products.
     const ROUNDING: f64 = 1e-12;
 
     fn euler(q: &UnitQuaternion<f64>) -> Vector3<f64> {

@@ -1,4 +1,4 @@
-//! The messages a map asks for, decoded into samples of quantities, with their times on one clock.
+//! Decodes the messages that a map asks for into samples of quantities, each with its log time and its stamp.
 //!
 //! In: a recording and a [`Map`]. Out: one [`Track`] per channel and quantity.
 
@@ -17,40 +17,40 @@ use super::topics::{Fields, Map, Quantity, Rule, TimeSource};
 use super::ulog;
 use super::value::{Path, Value};
 
-/// A message's numbers in SI units, in the axes of its topic.
+/// The numbers of one message in SI units, in the axes of its topic.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sample {
-    /// When it was logged, ns.
+    /// Log time, ns.
     pub log_ns: u64,
-    /// When it was measured by its own clock, ns, if it says so.
+    /// Stamp of the measurement on the message's own clock, ns, if the message has one.
     pub stamp_ns: Option<i64>,
-    /// Numbers.
+    /// The numbers.
     pub values: Vec<f64>,
 }
 
 /// One quantity of one channel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Track {
-    /// Number of its channel.
+    /// Number of the channel.
     pub channel: u16,
-    /// Topic.
+    /// Topic of the channel.
     pub topic: String,
-    /// Schema.
+    /// Name of the schema.
     pub schema: String,
-    /// Number of the rule; smaller is better.
+    /// Number of the rule in the map; a smaller number is a better source.
     pub rank: usize,
-    /// The rule.
+    /// The rule that gives the quantity.
     pub rule: Rule,
-    /// What the numbers are.
+    /// The quantity that the numbers mean.
     pub quantity: Quantity,
-    /// Names of the joints, if it is those.
+    /// Names of the joints, if the quantity is joint angles.
     pub names: Vec<String>,
     /// Samples in file order.
     pub samples: Vec<Sample>,
 }
 
 impl Track {
-    /// The same without its samples.
+    /// A copy of the track without its samples.
     pub(super) fn bare(&self) -> Self {
         Self {
             topic: self.topic.clone(),
@@ -63,27 +63,27 @@ impl Track {
     }
 }
 
-/// All tracks, and what could not be decoded.
+/// All tracks of a recording, and the messages that could not be decoded.
 #[derive(Clone, Debug, Default)]
 pub struct Gathered {
-    /// Tracks by topic.
+    /// Tracks in order of topic.
     pub tracks: Vec<Track>,
-    /// What went wrong, a sentence each.
+    /// What could not be decoded, one sentence per channel.
     pub notes: Vec<String>,
 }
 
-/// Reads what `map` asks for.
+/// Reads the quantities that `map` asks for from `file`.
 ///
 /// # Errors
-/// [`ContainerError`] if nothing can be read.
+/// [`ContainerError`] if the file cannot be read.
 pub fn gather(file: &std::path::Path, map: &Map) -> Result<Gathered, ContainerError> {
     gather_from(&mut BufReader::new(File::open(file)?), map)
 }
 
-/// The same from any bytes.
+/// Reads the quantities that `map` asks for from any input.
 ///
 /// # Errors
-/// [`ContainerError`] if nothing can be read.
+/// [`ContainerError`] if the input cannot be read.
 pub fn gather_from(input: &mut impl Read, map: &Map) -> Result<Gathered, ContainerError> {
     let mut collector = Collector::new(map, None);
     container::read(input, &mut |record| collector.take(record))?;
@@ -117,11 +117,11 @@ struct Extract {
     only_if: Option<(Path, Vec<f64>)>,
 }
 
-/// Decodes records as they come; `M` is a map or a reference to one.
+/// Decodes records as they arrive; `M` is a map or a reference to a map.
 #[derive(Debug)]
 pub(super) struct Collector<M> {
     map: M,
-    /// Only these channels, if given.
+    /// The only channels to decode, if given.
     only: Option<BTreeSet<u16>>,
     schemas: BTreeMap<u16, (String, String, Vec<u8>)>,
     channels: BTreeMap<u16, Channel>,
@@ -129,7 +129,7 @@ pub(super) struct Collector<M> {
 }
 
 impl<M: Deref<Target = Map>> Collector<M> {
-    /// For all channels that `map` asks for, or for those of them in `only`.
+    /// A collector for all channels that `map` asks for, restricted to `only` if given.
     pub(super) fn new(map: M, only: Option<BTreeSet<u16>>) -> Self {
         let (schemas, channels) = (BTreeMap::new(), BTreeMap::new());
         Self { map, only, schemas, channels, notes: Vec::new() }
@@ -157,13 +157,13 @@ impl<M: Deref<Target = Map>> Collector<M> {
         tracks.map(Track::bare).collect()
     }
 
-    /// The samples since the last call, per track.
+    /// Removes and returns the samples since the last call, per track.
     pub(super) fn drain(&mut self) -> Vec<Vec<Sample>> {
         let tracks = self.channels.values_mut().flat_map(|channel| &mut channel.tracks);
         tracks.map(|track| std::mem::take(&mut track.samples)).collect()
     }
 
-    /// What could not be decoded since the last call, a sentence per channel.
+    /// What could not be decoded since the last call, one sentence per channel.
     pub(super) fn complaints(&mut self) -> Vec<String> {
         self.channels.values_mut().filter_map(Channel::complaint).collect()
     }
@@ -176,7 +176,7 @@ impl<M: Deref<Target = Map>> Collector<M> {
         let nothing = (String::new(), String::new(), Vec::new());
         let (name, encoding, text) = self.schemas.get(&channel.schema_id).unwrap_or(&nothing);
         let Some((rank, rule)) = self.map.rule(&channel.topic, name) else { return };
-        // Further instances of a topic of a ULog are listed, not used.
+        // Further instances of a ULog topic appear in the survey, but are not decoded.
         let first = channel.metadata.get("instance").is_none_or(|instance| instance == "0");
         if rule.gives.is_empty() || !first {
             return;
@@ -202,7 +202,7 @@ impl<M: Deref<Target = Map>> Collector<M> {
                 self.channels.insert(channel.id, opened);
             }
             Err(why) => {
-                // The summary of a file names its channels again.
+                // The summary of a file defines its channels a second time.
                 let note = format!("{}: {why}", channel.topic);
                 if !self.notes.contains(&note) {
                     self.notes.push(note);
@@ -211,7 +211,7 @@ impl<M: Deref<Target = Map>> Collector<M> {
         }
     }
 
-    /// Everything.
+    /// All tracks with their samples, and all complaints.
     pub(super) fn finish(mut self) -> Gathered {
         let complaints = self.complaints();
         let notes = [self.notes, complaints].concat();
@@ -296,12 +296,12 @@ impl Channel {
     }
 }
 
-/// The time a message says it was measured at, ns; zero means that nobody filled it in.
+/// Stamp of a message, ns; `None` for a zero stamp, which nobody filled in.
 fn stamp(value: &Value, (is_stamp, path): &(bool, Path)) -> Option<i64> {
     let ns = if *is_stamp {
         let stamp = value.at(path)?;
         let part = |name: &str| stamp.number(&Path::parse(name).ok()?);
-        // ROS 2, JSON of Foxglove and ROS 1, protobuf.
+        // Field names in ROS 2 and in the JSON of Foxglove and ROS 1, then in protobuf.
         (part("sec").or_else(|| part("seconds"))? as i64).checked_mul(1_000_000_000)?.checked_add(
             part("nanosec").or_else(|| part("nsec")).or_else(|| part("nanos"))? as i64,
         )?
@@ -354,7 +354,7 @@ impl Extract {
     }
 }
 
-/// Angles of the two joints that have rows; `names` is filled by the first message.
+/// Angles of the two joints that have a coordinate; the first message fills `names`.
 fn joint_angles(
     names_found: &Value,
     angles: &Value,

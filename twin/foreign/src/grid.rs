@@ -1,20 +1,20 @@
-//! Values on the 100 Hz ticks of a flight, `None` where unknown: derivatives and the filter `H` over runs of known ticks.
+//! Values on the 100 Hz ticks of a flight, `None` where unknown, with derivatives and the filter `H` over runs of known ticks.
 
 use nalgebra::SVector;
 
 use twin_core::filter::Butterworth;
 use twin_core::notation::TICK_S;
 
-/// Corner of `H`, Hz.
+/// Corner frequency of `H`, Hz.
 const CORNER_HZ: f64 = 8.0;
 
-/// After the start of a run the filter is settling for so many ticks: two periods of its corner.
+/// Ticks that the filter takes to settle after the start of a run: two periods of its corner frequency.
 pub(super) const SETTLE_TICKS: usize = 25;
 
-/// A value per tick.
+/// One value per tick; `None` is unknown.
 pub(super) type Ticks<const D: usize> = Vec<Option<SVector<f64, D>>>;
 
-/// Central difference per tick, one-sided at the ends of a run; a lone tick has none.
+/// Central difference per tick, per s; one-sided at the ends of a run, unknown for a single tick.
 pub(super) fn slope<const D: usize>(values: &Ticks<D>) -> Ticks<D> {
     let at = |i: Option<usize>| i.and_then(|i| values.get(i).copied().flatten());
     (0..values.len())
@@ -30,7 +30,7 @@ pub(super) fn slope<const D: usize>(values: &Ticks<D>) -> Ticks<D> {
         .collect()
 }
 
-/// Second central difference per tick; none at the ends of a run.
+/// Second central difference per tick, per s²; unknown at the ends of a run.
 pub(super) fn curvature<const D: usize>(values: &Ticks<D>) -> Ticks<D> {
     (0..values.len())
         .map(|i| {
@@ -41,12 +41,13 @@ pub(super) fn curvature<const D: usize>(values: &Ticks<D>) -> Ticks<D> {
         .collect()
 }
 
-/// [`filtered`] so many times.
+/// Applies [`filtered`] `passes` times.
 pub(super) fn filtered_times<const D: usize>(values: &Ticks<D>, passes: usize) -> Ticks<D> {
     (0..passes).fold(values.clone(), |values, _| filtered(&values, true))
 }
 
-/// `H` at the tick rate, started anew at every run of known ticks; with `settled` the first ticks of a run are unknown.
+/// Filters with `H` at the tick rate and restarts at every run of known ticks. With `settled`, the ticks during which the filter
+/// settles are unknown.
 pub(super) fn filtered<const D: usize>(values: &Ticks<D>, settled: bool) -> Ticks<D> {
     let mut filter: Option<(Butterworth<D>, usize)> = None;
     values
@@ -99,7 +100,7 @@ mod tests {
         assert_eq!(out[SETTLE_TICKS - 1], None);
         assert!((out[40].unwrap().x - 1.0).abs() < 1e-12);
         assert_eq!(out[50 + SETTLE_TICKS], None);
-        // Nothing of the value before the gap is left.
+        // The filter contains nothing of the values before the gap.
         assert!((out[51 + SETTLE_TICKS].unwrap().x - 9.0).abs() < 1e-12);
     }
 }

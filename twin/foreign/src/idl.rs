@@ -1,16 +1,17 @@
-//! OMG IDL as ROS 2 embeds it (`ros2idl`), told as the `ros2msg` text of the same message: both have one form on the wire.
+//! Translates OMG IDL, as ROS 2 embeds it (`ros2idl`), into the `ros2msg` text of the same message; both have the same wire
+//! format.
 //!
-//! Modules, structures, typedefs, sequences, arrays and bounded texts; annotations and constants are left out.
+//! The reader knows modules, structures, typedefs, sequences, arrays and bounded strings. It skips annotations and constants.
 
 use std::collections::BTreeMap;
 
-/// Most words of a definition.
+/// Largest number of words in a definition.
 const MOST_WORDS: usize = 1 << 16;
 
-/// The `ros2msg` text of the message `name` (`package/msg/Type`) that `text` defines, with all its types.
+/// The `ros2msg` text of the message `name` (`package/msg/Type`) and all its types, from the IDL in `text`.
 ///
 /// # Errors
-/// A sentence: what is not understood.
+/// A sentence that says what was not understood.
 pub(super) fn as_ros2msg(name: &str, text: &str) -> Result<String, String> {
     let mut reader = Reader { words: words(text)?.into_iter().peekable(), ..Reader::default() };
     while reader.words.peek().is_some() {
@@ -23,8 +24,8 @@ pub(super) fn as_ros2msg(name: &str, text: &str) -> Result<String, String> {
     Ok(body + &others.collect::<String>())
 }
 
-/// Names, numbers, quoted texts and single marks; `::` belongs to a name. Comments, annotations, `#` lines and rosbag's own lines
-/// between the parts are left out.
+/// Splits `text` into names, numbers, quoted strings and single marks; `::` belongs to a name. Skips comments, annotations, `#`
+/// lines and the lines that rosbag puts between the parts.
 fn words(text: &str) -> Result<Vec<String>, String> {
     let kept: String = text
         .lines()
@@ -62,7 +63,7 @@ fn words(text: &str) -> Result<Vec<String>, String> {
     Ok(words)
 }
 
-/// Bytes of an annotation with what stands in brackets behind it; brackets within texts do not count.
+/// Length of an annotation with its bracketed arguments, bytes; brackets inside quoted strings do not count.
 fn annotation(text: &str) -> usize {
     let name = text[1..].find(|c: char| !(c.is_alphanumeric() || c == '_'));
     let end = name.map_or(text.len(), |end| end + 1);
@@ -90,7 +91,7 @@ struct Reader {
     modules: Vec<String>,
     /// Fields of every structure as `ros2msg` lines, by `package/Type`.
     bodies: BTreeMap<String, String>,
-    /// What a typedef stands for: element and array part.
+    /// Element and array part of every typedef, by its name.
     aliases: BTreeMap<String, (String, String)>,
 }
 
@@ -165,7 +166,7 @@ impl Reader {
         Ok(())
     }
 
-    /// `[N]` behind a name, if it is there.
+    /// Reads `[N]` after a name, if it is there.
     fn size(&mut self) -> Result<String, String> {
         if self.words.next_if(|word| word == "[").is_none() {
             return Ok(String::new());
@@ -175,7 +176,7 @@ impl Reader {
         Ok(format!("[{size}]"))
     }
 
-    /// A type: its element as `ros2msg` calls it, and the array part.
+    /// Reads a type; returns the `ros2msg` name of its element, and its array part.
     fn kind(&mut self) -> Result<(String, String), String> {
         let mut name = self.next()?;
         if name == "sequence" {

@@ -1,7 +1,7 @@
-//! Where the chunks of an MCAP file lie, what times and how many messages they hold: known without unpacking the file.
+//! The position, times and message counts of the chunks of an MCAP file, known without unpacking them.
 //!
-//! From the summary at the end of the file; where there is none (a recorder that was killed), by stepping from record to record,
-//! which reads the heads of the chunks and not their content. A chunk is then read by itself, wherever it is.
+//! They come from the summary at the end of the file. If there is no summary (the recorder was killed), the index steps from
+//! record to record and reads the heads of the chunks alone. Any chunk can then be read by itself.
 
 use std::collections::BTreeMap;
 use std::io::SeekFrom;
@@ -18,12 +18,12 @@ use super::table::{Definitions, Input, Place, Table, read_at, unpack_record};
 #[derive(Debug)]
 pub(super) struct Index {
     input: Mutex<Box<dyn Input>>,
-    /// What is known of it.
+    /// The positions and definitions that are known so far.
     pub(super) table: Table,
 }
 
 impl Index {
-    /// The index of `input`; `None` if it is no MCAP file with chunks, which can only be read from its start to its end.
+    /// The index of `input`; `None` if it is no MCAP file with chunks. Such a file can only be read from start to end.
     ///
     /// # Errors
     /// [`ContainerError`] if the system refuses.
@@ -35,7 +35,7 @@ impl Index {
         if read_at(&mut *input, 0, mcap::MAGIC.len() as u64)? != mcap::MAGIC {
             return Ok(None);
         }
-        // A summary that cannot be used is as good as none.
+        // An unusable summary counts as a missing one.
         let table = match summary(&mut *input, length).filter(|table| !table.chunks.is_empty()) {
             Some(table) => Some(table),
             None => scan::scan(&mut *input, length)?,
@@ -43,13 +43,13 @@ impl Index {
         Ok(table.map(|table| Self { input: Mutex::new(input), table }))
     }
 
-    /// Log time of the first and last message, ns.
+    /// Log times of the first and the last message, ns.
     pub(super) fn span_ns(&self) -> Option<(u64, u64)> {
         let spans = || self.table.chunks.iter().filter_map(|place| place.span_ns);
         Some((spans().map(|span| span.0).min()?, spans().map(|span| span.1).max()?))
     }
 
-    /// Numbers of the chunks that may hold messages logged from `from_ns` to `to_ns`, in file order.
+    /// Numbers of the chunks that may contain messages with log times from `from_ns` to `to_ns`, in file order.
     pub(super) fn between(&self, from_ns: u64, to_ns: u64) -> impl Iterator<Item = usize> + '_ {
         let overlaps = move |place: &Place| {
             place.span_ns.is_some_and(|(first, last)| first <= to_ns && last >= from_ns)
@@ -57,7 +57,7 @@ impl Index {
         self.table.chunks.iter().enumerate().filter(move |(_, p)| overlaps(p)).map(|(n, _)| n)
     }
 
-    /// The number of the channel of `topic` that has most messages, and how many those are.
+    /// The channel of `topic` with the most messages, and its message count.
     pub(super) fn channel(&self, topic: &str) -> Option<(u16, u64)> {
         let channels = self.table.definitions.channels.values();
         channels
@@ -66,12 +66,12 @@ impl Index {
             .max_by_key(|(_, messages)| *messages)
     }
 
-    /// Messages of a channel in the whole file.
+    /// Number of messages of a channel in the whole file.
     pub(super) fn channel_messages(&self, channel: u16) -> u64 {
         self.table.counts.get(&channel).copied().unwrap_or(0)
     }
 
-    /// Messages of `channel` in chunk `number`.
+    /// Number of messages of `channel` in chunk `number`.
     ///
     /// # Errors
     /// A sentence if the index of the chunk cannot be read.
@@ -88,11 +88,11 @@ impl Index {
         }
     }
 
-    /// Every record of chunk `number`, or none if its checksum does not hold; of one that the end of the file cuts off those
-    /// that are whole.
+    /// Passes on every record of chunk `number`, or none if its checksum is wrong. If the file ends inside the chunk, passes on
+    /// its whole records.
     ///
     /// # Errors
-    /// A sentence: what is wrong with it.
+    /// A sentence that says what is wrong with the chunk.
     pub(super) fn unpack(
         &self,
         number: usize,
@@ -104,13 +104,13 @@ impl Index {
     }
 
     fn read(&self, at: u64, length: u64) -> Result<Vec<u8>, String> {
-        // A reader that failed left nothing half done.
+        // A thread that panicked during a read left the input usable: every read seeks first.
         let mut input = self.input.lock().unwrap_or_else(PoisonError::into_inner);
         read_at(&mut **input, at, length).map_err(|error| format!("byte {at}: {error}"))
     }
 }
 
-/// The table that the summary of the file gives; `None` if it is missing, damaged or does not tell all.
+/// The table from the summary of the file; `None` if the summary is missing, damaged or incomplete.
 fn summary(input: &mut dyn Input, length: u64) -> Option<Table> {
     let options = SummaryReaderOptions::default()
         .with_file_size(length)
@@ -152,7 +152,7 @@ fn summary(input: &mut dyn Input, length: u64) -> Option<Table> {
     Some(table)
 }
 
-/// Keeps these channels with their schemas.
+/// Stores these channels and their schemas.
 fn define<'a>(
     definitions: &mut Definitions,
     channels: impl Iterator<Item = Arc<mcap::Channel<'a>>>,
@@ -176,14 +176,14 @@ fn define<'a>(
     }
 }
 
-/// Keeps where these chunks lie.
+/// Stores the positions of these chunks.
 fn place(table: &mut Table, chunks: Vec<ChunkIndex>) {
     for chunk in chunks {
         let counts = counted(&chunk).unwrap_or_default();
         let name = if chunk.compression.is_empty() { "none".into() } else { chunk.compression };
         table.findings.compressions.insert(name);
         let (first, last) = (chunk.message_start_time, chunk.message_end_time);
-        // No message: both times are zero, and nothing is indexed.
+        // A chunk without a message has two zero times and no message index.
         let empty = last == 0 && chunk.message_index_offsets.is_empty();
         table.chunks.push(Place {
             at: chunk.chunk_start_offset,
@@ -198,8 +198,8 @@ fn place(table: &mut Table, chunks: Vec<ChunkIndex>) {
     table.findings.chunks = table.chunks.len() as u64;
 }
 
-/// Messages per channel of a chunk, from where its message indexes lie, which follow it without a hole; `None` if they do not.
-/// Reading those indexes would go through the whole file.
+/// Messages per channel of a chunk, computed from the positions of its message indexes; `None` if those do not follow the chunk
+/// without a gap. Reading the indexes themselves would go through the whole file.
 fn counted(chunk: &ChunkIndex) -> Option<BTreeMap<u16, u64>> {
     let begin = chunk.chunk_start_offset.checked_add(chunk.chunk_length)?;
     let end = begin.checked_add(chunk.message_index_length)?;

@@ -1,5 +1,5 @@
-//! Acceleration from an accelerometer, its bias corrected slowly by the position: what the position alone gives is noise twice
-//! differentiated.
+//! Acceleration from an accelerometer whose bias the position corrects slowly. The second derivative of the position alone would
+//! be mostly noise.
 
 use nalgebra::Vector3;
 
@@ -8,16 +8,17 @@ use super::series::Series;
 use twin_core::elementary::exp;
 use twin_core::notation::{GRAVITY_M_S2, TICK_S, world_from_body};
 
-/// How fast the bias follows the position, rad/s.
+/// Rate at which the bias follows the position, 1/s.
 const BIAS_RATE_RAD_S: f64 = 0.5;
 
-/// Ticks over which the bias at the start of a part of a flight is averaged: 2 s.
+/// Ticks over which the first bias of a part of a flight is averaged: 2 s.
 const START_TICKS: usize = 200;
 
-/// Acceleration of the base in the world per tick, m/s², before `H`. Unknown where attitude or accelerometer is.
+/// Acceleration of the base in the world frame per tick, m/s², before the filter `H`. It is unknown where attitude or
+/// accelerometer is.
 ///
-/// `specific_force` is in the body, `eta` is `[phi theta psi]`, `position` in the world, m. The bias is zero at the start; in
-/// `parts` of a flight it starts anew after every tick of which nothing is known, as the mean of the first 2 s.
+/// `specific_force` is in the body frame, m/s²; `eta` is `[phi theta psi]`, rad; `position` is in the world frame, m. The bias
+/// starts at zero. With `parts` it restarts after every unknown tick, at its mean over the next 2 s.
 pub(super) fn acceleration(
     specific_force: &Series<3>,
     times_s: &[f64],
@@ -50,7 +51,7 @@ pub(super) fn acceleration(
         .collect()
 }
 
-/// Mean of what the accelerometer says beyond the position, over the first 2 s of a run of known ticks.
+/// Mean difference between accelerometer and position over the first 2 s of a run of known ticks, m/s².
 fn mean_bias(raw: &[Option<Vector3<f64>>], from_position: &[Option<Vector3<f64>>]) -> Vector3<f64> {
     let run = raw.iter().zip(from_position).take(START_TICKS).take_while(|(raw, _)| raw.is_some());
     let (sum, n) = run
@@ -81,7 +82,7 @@ mod tests {
         let found = acceleration(&specific, &times, &eta, &position, false);
         for tick in 2000..ticks as usize - 1 {
             let error = found[tick].unwrap() - Vector3::x() * accelerate(times[tick]);
-            // exp(-0.5 * 20 s) of the bias, and what `H` delays a motion of 6 rad/s by, seen through 0.5 rad/s.
+            // The bias decays by exp(-0.5 * 20 s). The delay of `H` for a motion at 6 rad/s remains, seen through 0.5 rad/s.
             assert!(error.norm() < 0.06, "{tick} {error:?}");
         }
     }
@@ -94,7 +95,7 @@ mod tests {
         let specific = Series::new(times.iter().map(|t| (*t, Vector3::z() * GRAVITY_M_S2 + bias)));
         let found = acceleration(&specific, &times, &still, &still, true);
         let whole = acceleration(&specific, &times, &still, &still, false);
-        // At rest position says zero exactly, so the first tick is right already; a whole flight needs seconds for it.
+        // At rest the position says zero exactly, so the first tick is already right. A whole flight needs seconds to get there.
         assert!(found[0].unwrap().norm() < 1e-12, "{:?}", found[0]);
         assert!(whole[100].unwrap().norm() > 0.3 * bias.norm(), "{:?}", whole[100]);
     }

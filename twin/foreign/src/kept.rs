@@ -1,23 +1,25 @@
-//! What was made last, by number. Each is made once, also where several threads ask for it at the same time.
+//! A cache of the values that were used last, by number. Each value is made once, also if several threads ask for it at the same
+//! time.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
-/// The values that were used last.
+/// The values that were used last, by number.
 #[derive(Debug)]
 pub(super) struct Kept<T> {
-    /// Last used last; an empty one is being made.
+    /// The last used value is last; an empty slot is a value that is being made.
     slots: Mutex<VecDeque<(usize, Arc<OnceLock<T>>)>>,
     most: usize,
 }
 
 impl<T: Clone> Kept<T> {
-    /// Keeps `most` values, one at least.
+    /// A cache of at most `most` values; it keeps at least one.
     pub(super) fn new(most: usize) -> Self {
         Self { slots: Mutex::default(), most: most.max(1) }
     }
 
-    /// The value of `number`: a kept one that is `good`, else what `make` gives. Whoever asks while it is made waits for it.
+    /// The value of `number`: a cached value that is `good`, or else the result of `make`. Other threads that ask for it wait
+    /// until it is made.
     pub(super) fn get(&self, number: usize, good: impl Fn(&T) -> bool, make: impl Fn() -> T) -> T {
         loop {
             let slot = self.slot(number, &good);
@@ -26,7 +28,8 @@ impl<T: Clone> Kept<T> {
                 is_new = true;
                 make()
             });
-            // What another thread made meanwhile may not be good enough; what is new is the best there is.
+            // A value that another thread made meanwhile may not be good enough. A new value is returned in any case, as there is
+            // no better one.
             if is_new || good(value) {
                 return value.clone();
             }
@@ -34,7 +37,7 @@ impl<T: Clone> Kept<T> {
     }
 
     fn slots(&self) -> MutexGuard<'_, VecDeque<(usize, Arc<OnceLock<T>>)>> {
-        // Nothing is made under the lock, so whoever failed left it whole.
+        // No value is made under the lock, so a thread that panicked left the queue whole.
         self.slots.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -50,7 +53,7 @@ impl<T: Clone> Kept<T> {
         slot
     }
 
-    /// Values that are kept.
+    /// Number of cached values.
     #[cfg(test)]
     pub(super) fn len(&self) -> usize {
         self.slots().len()
@@ -87,7 +90,7 @@ mod tests {
         assert_eq!(kept.get(1, |_| true, || 5), 5);
         assert_eq!(kept.get(1, |value| *value >= 5, || 6), 5);
         assert_eq!(kept.get(1, |value| *value >= 6, || 6), 6);
-        // Not good enough even when it is new: there is nothing better.
+        // The new value is not good enough either, but there is no better one.
         assert_eq!(kept.get(1, |value| *value >= 9, || 7), 7);
         assert_eq!(kept.len(), 1);
         kept.get(2, |_| true, || 0);

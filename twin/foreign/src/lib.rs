@@ -1,8 +1,9 @@
-//! Flights to files and from outside: the recorder, reading its files back, and reading flights that others recorded.
+//! Flights of other vehicles: reads their files and streams, puts them onto the ticks of the loop, and runs the loop in shadow
+//! beside them.
 //!
-//! The only place that knows the MCAP container. A foreign flight goes `container` (records) → `survey` (what is there) →
-//! `topics` (what it means) → `gather` (numbers) → `signals` (one clock, ENU and FLU) → `recorded` (ticks of the loop) → `film`
-//! (what the loop reads). A long one is judged by `stretches` and goes the same way part by part, through an `index` of its file.
+//! A foreign flight passes `container` (records) → `survey` (contents) → `topics` (meaning of the messages) → `gather` (numbers)
+//! → `signals` (one clock, ENU and FLU) → `recorded` (ticks of the loop) → `film` (source of the loop). A long flight is judged
+//! by `stretches`, and then passes the same stages part by part, through an `index` of its file.
 
 mod idl;
 pub mod schema;

@@ -1,4 +1,4 @@
-//! A recording opened: what it holds, what it means, the flight on ticks.
+//! An opened recording: its contents, their meaning, and the flight on ticks.
 
 use std::fs::File;
 use std::io::{BufReader, Read, Seek};
@@ -20,78 +20,78 @@ use super::table::Input;
 use super::topics::{Map, MapError, SHIPPED};
 use twin_record::recording::{RecordingError, TICK_TOPIC};
 
-/// Most topics that an error lists.
+/// Largest number of topics that an error lists.
 const SHOWN_TOPICS: usize = 30;
 
-/// How far a file was read is told after so many bytes.
+/// Number of bytes between two progress reports.
 const TOLD_BYTES: u64 = 4 << 20;
 
-/// What is said about a recording of this program.
+/// The note on a recording of this program.
 const AS_RECORDED: &str =
     "recorded by this program: measurements are taken as they are, nothing is resampled";
 
-/// A recording with its flight.
+/// A recording and its flight.
 #[derive(Clone, Debug)]
 pub struct OpenedFlight {
-    /// The file.
+    /// Path of the file.
     pub path: PathBuf,
-    /// What it holds.
+    /// Contents of the file.
     pub survey: Survey,
-    /// Which messages mean what.
+    /// The map that gives messages their meaning.
     pub map: Map,
     /// Name of the map.
     pub map_name: String,
-    /// What was chosen.
+    /// The sources in use and their samples.
     pub signals: Signals,
-    /// The flight; of a long one stretches of it.
+    /// The flight; for a long flight only stretches of it.
     pub recorded: RecordedFlight,
-    /// A long flight, which is read as it is played.
+    /// The whole of a long flight, which is read while it is played.
     pub long: Option<Arc<dyn Footage>>,
 }
 
 /// Why a recording cannot be mirrored.
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
-    /// Nothing can be read.
+    /// The file cannot be read.
     #[error("{path}: {why}", path = path.display())]
     Container {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         why: ContainerError,
     },
     /// The map is neither shipped nor a file.
     #[error("--map {name}: not a shipped map ({shipped}) and not a file that can be read: {why}")]
     MapFile {
-        /// As given.
+        /// The name as given.
         name: String,
-        /// Maps that come with the program.
+        /// Names of the maps that come with the program.
         shipped: String,
-        /// The system's words.
+        /// The error of the system.
         why: String,
     },
-    /// The map is not usable.
+    /// The map cannot be used.
     #[error(transparent)]
     Map(#[from] MapError),
-    /// A recording of this program that cannot be used.
+    /// The recording was made by this program and cannot be used.
     #[error(transparent)]
     Recording(#[from] RecordingError),
-    /// There is no flight in it.
+    /// The recording contains no flight.
     #[error("{path}: {why}; topics found: {topics}", path = path.display())]
     Mirror {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         why: MirrorError,
-        /// What the recording has.
+        /// Topics of the recording.
         topics: String,
     },
 }
 
-/// The map that is asked for, or that of the recognised family, over the generic rules; with its name.
+/// The map called `wanted`, or else the map of the recognised family, over the generic rules; with its name.
 ///
 /// # Errors
-/// [`OpenError`] if it cannot be read or is not usable.
+/// [`OpenError`] if the map cannot be read or used.
 pub fn choose_map(
     wanted: Option<&str>,
     family: Option<&'static str>,
@@ -111,10 +111,10 @@ pub fn choose_map(
     Ok((Map::over_generic(own.unwrap_or_default())?, name))
 }
 
-/// What `path` holds under the map that is asked for or recognised.
+/// The contents of `path`, and the map that is asked for or recognised.
 ///
 /// # Errors
-/// [`OpenError`] if nothing can be read, or the map is not usable.
+/// [`OpenError`] if the file cannot be read, or the map cannot be used.
 pub fn survey(path: &Path, map: Option<&str>) -> Result<(Survey, Map, String), OpenError> {
     let mut survey =
         Survey::read(path).map_err(|why| OpenError::Container { path: path.to_owned(), why })?;
@@ -123,7 +123,7 @@ pub fn survey(path: &Path, map: Option<&str>) -> Result<(Survey, Map, String), O
     Ok((survey, map, name))
 }
 
-/// A file that is read twice from its start to its end.
+/// A file that is read twice from its start to its end, with progress reports.
 struct Counted<'a> {
     file: BufReader<File>,
     read: u64,
@@ -157,22 +157,23 @@ impl Read for Counted<'_> {
     }
 }
 
-/// Longer than what is read whole.
+/// Whether the flight is too long to be read whole.
 fn is_long(index: &Index) -> bool {
     index.span_ns().is_some_and(|(first, last)| (last - first) as f64 * 1e-9 > LONG_S)
 }
 
 impl OpenedFlight {
-    /// Opens `path`; `map` is the name of a shipped map or a TOML file, else the family is recognised. A long flight in an MCAP
-    /// file with chunks is read through its index, as it is played.
+    /// Opens `path`. `map` is the name of a shipped map or a TOML file; without it the family is recognised. A long flight in an
+    /// MCAP file with chunks is read through its index while it is played.
     ///
     /// # Errors
-    /// [`OpenError`] if it cannot be read, or holds no pose.
+    /// [`OpenError`] if the file cannot be read, or contains no pose.
     pub fn open(path: &Path, map: Option<&str>) -> Result<Self, OpenError> {
         Self::open_watched(path, map, &mut |_, _| {})
     }
 
-    /// The same; where the file must be read whole, `on` is told bytes read and bytes to read now and then.
+    /// Opens `path` as [`Self::open`] does. Where the file must be read whole, `on` receives from time to time the bytes read and
+    /// the bytes in total.
     ///
     /// # Errors
     /// As [`Self::open`].
@@ -181,7 +182,7 @@ impl OpenedFlight {
         map: Option<&str>,
         on: &mut dyn FnMut(u64, u64),
     ) -> Result<Self, OpenError> {
-        // What is wrong with the file is said by the way that reads it whole.
+        // Errors are dropped here, because the reader of the whole file meets and reports them again.
         let input = File::open(path).ok().map(|file| Box::new(file) as Box<dyn Input>);
         match input.map_or(Ok(None), |input| Self::open_long(path, map, input))? {
             Some(long) => Ok(long),
@@ -189,10 +190,10 @@ impl OpenedFlight {
         }
     }
 
-    /// The flight in `input`, called `path`, through its index; `None` if it is no long one or has no index.
+    /// The flight in `input`, called `path`, read through its index; `None` if the flight is short or the file has no index.
     ///
     /// # Errors
-    /// [`OpenError`] if the map is not usable, or it holds no pose.
+    /// [`OpenError`] if the map cannot be used, or the file contains no pose.
     pub fn open_long(
         path: &Path,
         map: Option<&str>,
@@ -223,10 +224,10 @@ impl OpenedFlight {
         }
     }
 
-    /// The same, but everything is read and held, however long it is.
+    /// Opens `path` as [`Self::open`] does, but reads the whole file into memory, however long the flight is.
     ///
     /// # Errors
-    /// [`OpenError`] if it cannot be read, or holds no pose.
+    /// [`OpenError`] if the file cannot be read, or contains no pose.
     pub fn open_whole(path: &Path, map: Option<&str>) -> Result<Self, OpenError> {
         Self::read_whole(path, map, &mut |_, _| {})
     }
@@ -260,17 +261,17 @@ impl OpenedFlight {
         Ok(Self { path, survey, map, map_name, signals, recorded, long: None })
     }
 
-    /// Recorded by this program.
+    /// True if this program recorded the flight.
     pub fn is_own(&self) -> bool {
         self.survey.has(TICK_TOPIC)
     }
 
-    /// File name without folder.
+    /// Name of the file without its folder.
     pub fn name(&self) -> String {
         self.path.file_name().unwrap_or_default().to_string_lossy().into_owned()
     }
 
-    /// Where the force comes from, in a sentence.
+    /// A sentence that names the source of the force.
     pub fn force_sentence(&self) -> String {
         match &self.recorded.effort {
             Effort::Wrench { fit: None } => "force from the wrench in the log".to_owned(),
@@ -288,7 +289,7 @@ impl OpenedFlight {
         }
     }
 
-    /// Where the torque comes from, in a sentence.
+    /// A sentence that names the source of the torque.
     pub fn torque_sentence(&self) -> String {
         match &self.recorded.effort {
             Effort::Wrench { .. } if self.signals.torque.is_some() => {
@@ -299,11 +300,11 @@ impl OpenedFlight {
             }
             Effort::Fitted { torque, .. } => torque.sentence(),
             Effort::Recorded => "torque as the simulated vehicle measured it".to_owned(),
-            Effort::Unknown { .. } => "no torque is known: no force is".to_owned(),
+            Effort::Unknown { .. } => "no torque is known, because no force is known".to_owned(),
         }
     }
 
-    /// The mass is neither given nor found.
+    /// True if the mass is neither given nor found by a fit; forces are then per kilogram.
     pub fn per_kilogram(&self) -> bool {
         self.recorded.per_kilogram(&self.map.vehicle)
     }

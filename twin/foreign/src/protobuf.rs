@@ -1,7 +1,7 @@
-//! Protobuf messages by the `FileDescriptorSet` that a recording embeds.
+//! Decodes Protobuf messages by the `FileDescriptorSet` that a recording embeds.
 //!
-//! Total on any bytes: it reserves no more than the message is long, follows no type deeper than [`DEEPEST`], and ends. A number
-//! or text that is not sent has its default, as proto3 says; a message that is not sent is absent.
+//! The decoder accepts any bytes: it reserves no more memory than the message is long, follows no type deeper than `DEEPEST`,
+//! and always terminates. A number or text that was not sent has its proto3 default; a message that was not sent is absent.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use super::value::Value;
 /// Deepest nesting of messages, and of the types in a descriptor.
 const DEEPEST: usize = 16;
 
-/// Most values of one message, defaults included.
+/// Largest number of values in one message, defaults included.
 const MOST_VALUES: usize = 1 << 20;
 
 /// Wire types.
@@ -20,7 +20,7 @@ const EIGHT: u8 = 1;
 const BYTES: u8 = 2;
 const FOUR: u8 = 5;
 
-/// Label of a repeated field, and numbers of types, as `descriptor.proto` has them.
+/// Label of a repeated field, and the numbers of the types, from `descriptor.proto`.
 const REPEATED: u64 = 3;
 const DOUBLE: u64 = 1;
 const FLOAT: u64 = 2;
@@ -34,7 +34,7 @@ const SFIXED64: u64 = 16;
 const SINT32: u64 = 17;
 const SINT64: u64 = 18;
 
-/// The types of a message, the message itself first.
+/// The types of a message; the message itself is first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Descriptor {
     types: Vec<Vec<Field>>,
@@ -54,17 +54,17 @@ enum Kind {
     Number(u64),
     Text,
     Message(usize),
-    /// Bytes, groups and unknown messages: not read.
+    /// Bytes, groups and unknown messages, which the decoder skips.
     Unread,
 }
 
-/// One field on the wire.
+/// One field as it was sent.
 enum Sent<'a> {
     Number(u64, u8),
     Bytes(&'a [u8]),
 }
 
-/// The fields of `bytes` in order.
+/// Splits `bytes` into its fields, in order.
 fn fields<'a>(
     mut bytes: &'a [u8],
     on: &mut dyn FnMut(u64, Sent<'a>) -> Result<(), String>,
@@ -110,14 +110,14 @@ fn take<const D: usize>(bytes: &mut &[u8]) -> Result<[u8; D], String> {
     Ok(*first)
 }
 
-/// A type as the descriptor says it: fields with the names of their types.
+/// A type from the descriptor: its fields, each with the name of its type.
 type Found<'a> = Vec<(Field, &'a [u8])>;
 
 impl Descriptor {
-    /// Reads the `FileDescriptorSet` in `set`, for the message `name` (`package.Type`).
+    /// Reads the message type `name` (`package.Type`) from the `FileDescriptorSet` in `set`.
     ///
     /// # Errors
-    /// A sentence: what is not understood, or that the type is not in it.
+    /// A sentence that says what was not understood, or that the type is missing.
     pub fn parse(name: &str, set: &[u8]) -> Result<Self, String> {
         let mut found: BTreeMap<String, Found<'_>> = BTreeMap::new();
         fields(set, &mut |number, sent| match (number, sent) {
@@ -145,7 +145,7 @@ impl Descriptor {
     /// Decodes one message.
     ///
     /// # Errors
-    /// A sentence: what is wrong with it.
+    /// A sentence that says what is wrong with the message.
     pub fn decode(&self, message: &[u8]) -> Result<Value, String> {
         self.record(0, message, 0, &mut 0)
     }
@@ -193,7 +193,7 @@ impl Descriptor {
     }
 }
 
-/// What a field is that was not sent.
+/// The default value of a field that was not sent.
 fn default(field: &Field) -> Option<Value> {
     match (field.kind, field.repeated) {
         (Kind::Unread, _) | (Kind::Message(_), false) => None,
@@ -218,7 +218,7 @@ fn put(place: &mut Option<Value>, field: &Field, value: Value) {
     }
 }
 
-/// The number of a type that was sent so.
+/// The value of a number of type `kind` that was sent with wire type `wire`.
 fn number_of(kind: u64, bits: u64, wire: u8) -> Result<f64, String> {
     let wanted = wire_of(kind);
     if wire != wanted {
@@ -235,7 +235,7 @@ fn number_of(kind: u64, bits: u64, wire: u8) -> Result<f64, String> {
     })
 }
 
-/// How a number of a type is sent.
+/// The wire type of a number of type `kind`.
 fn wire_of(kind: u64) -> u8 {
     match kind {
         DOUBLE | 6 | SFIXED64 => EIGHT,
@@ -257,7 +257,7 @@ fn packed_numbers(kind: u64, mut packed: &[u8], on: &mut dyn FnMut(f64)) -> Resu
     Ok(())
 }
 
-/// The types in a `FileDescriptorProto`.
+/// Collects the types in a `FileDescriptorProto`.
 fn file_types<'a>(file: &'a [u8], found: &mut BTreeMap<String, Found<'a>>) -> Result<(), String> {
     let (mut package, mut types) = (String::new(), Vec::new());
     fields(file, &mut |number, sent| {
@@ -271,7 +271,7 @@ fn file_types<'a>(file: &'a [u8], found: &mut BTreeMap<String, Found<'a>>) -> Re
     types.into_iter().try_for_each(|kind| message_type(kind, &package, found, 0))
 }
 
-/// A `DescriptorProto` and those inside it.
+/// Collects a `DescriptorProto` and the types nested in it.
 fn message_type<'a>(
     bytes: &'a [u8],
     outer: &str,
@@ -297,7 +297,7 @@ fn message_type<'a>(
     Ok(())
 }
 
-/// A `FieldDescriptorProto` and the name of its type.
+/// Reads a `FieldDescriptorProto`; returns the field and the name of its type.
 fn field_of(bytes: &[u8]) -> Result<(Field, &[u8]), String> {
     let (mut name, mut kind_name) = (&b""[..], &b""[..]);
     let (mut number, mut label, mut kind) = (0, 0, 0);
@@ -314,7 +314,7 @@ fn field_of(bytes: &[u8]) -> Result<(Field, &[u8]), String> {
     })?;
     let kind = match kind {
         STRING => Kind::Text,
-        // Its place is found when all types are known.
+        // The index of the type is set when all types are known.
         MESSAGE => Kind::Message(0),
         BYTE_STRING | 10 => Kind::Unread,
         DOUBLE..=SINT64 => Kind::Number(kind),

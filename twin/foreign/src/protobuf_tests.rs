@@ -6,7 +6,7 @@ use foxglove::messages::{
 use super::*;
 use crate::value::Path;
 
-/// A field of bytes, by hand.
+/// A length-delimited field, encoded by hand.
 fn inside(number: u8, bytes: &[u8]) -> Vec<u8> {
     [&[(number << 3) | 2, bytes.len() as u8][..], bytes].concat()
 }
@@ -15,7 +15,7 @@ fn text(number: u8, text: &str) -> Vec<u8> {
     inside(number, text.as_bytes())
 }
 
-/// Schema and bytes as Foxglove's own library writes them.
+/// Schema and bytes of a message, as Foxglove's own library writes them.
 fn written<M: Encode>(message: &M) -> (Descriptor, Vec<u8>) {
     let schema = M::get_schema().unwrap();
     let mut bytes = Vec::new();
@@ -41,7 +41,7 @@ fn what_foxgloves_library_wrote_is_read_with_its_defaults() {
     let number = |path: &str| value.number(&Path::parse(path).unwrap());
     assert_eq!(number("transforms[child_frame_id=base_link].translation.x"), Some(2.0));
     assert_eq!(number("transforms[1].translation.z"), Some(-2.5));
-    // Zero is not sent.
+    // The library does not send zeros.
     assert_eq!(number("transforms[child_frame_id=arm].translation.y"), Some(0.0));
     assert_eq!(number("transforms[0].timestamp.seconds"), Some(1.7e9));
     let joints = JointStates {
@@ -62,7 +62,7 @@ fn what_foxgloves_library_wrote_is_read_with_its_defaults() {
 
 #[test]
 fn numbers_of_every_kind_come_back_packed_and_not() {
-    // A descriptor by hand, from descriptor.proto: message T of package p with one repeated field a of each type.
+    // A descriptor by hand, after descriptor.proto: message T of package p with one repeated field a of each type.
     let set = |kind: u64| {
         let field = [text(1, "a"), vec![3 << 3, 1, 4 << 3, 3, 5 << 3, kind as u8]].concat();
         let message = [text(1, "T"), inside(2, &field)].concat();
@@ -92,7 +92,7 @@ fn numbers_of_every_kind_come_back_packed_and_not() {
 fn a_message_cut_anywhere_ends_and_a_type_that_contains_itself_ends() {
     let (descriptor, bytes) = written(&transforms());
     let bad = (0..bytes.len()).filter(|end| descriptor.decode(&bytes[..*end]).is_err()).count();
-    // A cut between two transforms, or before the first byte, is a whole message with less in it.
+    // A message that is cut between two transforms, or before its first byte, is a shorter whole message.
     assert_eq!(bad, bytes.len() - 2);
     let field = [text(1, "a"), vec![3 << 3, 1, 5 << 3, MESSAGE as u8], text(6, ".T")].concat();
     let set = inside(1, &inside(4, &[text(1, "T"), inside(2, &field)].concat()));

@@ -1,8 +1,9 @@
-//! A recorded flight on the ticks of the loop: coordinates, rates, accelerations and applied force, with what is known of them.
+//! A recorded flight on the ticks of the loop: coordinates, rates, accelerations and applied force, `None` where unknown.
 //!
-//! Position is interpolated by cubics, attitude by SLERP, the rest linearly; inside gaps nothing is known. Acceleration is the
-//! best of: slope of a measured rate, accelerometer, curvature of the pose. It passes `H`, and a second time where the pose was
-//! differentiated twice, because `H` alone leaves that noise as it is. Applied force passes the same.
+//! Cubics interpolate the position, SLERP the attitude, straight lines the rest; inside gaps all values are unknown. The
+//! acceleration comes from the best source: the slope of a measured rate, the accelerometer, or the second derivative of the
+//! pose. It passes the filter `H` once; a second derivative of the pose passes it twice, because one pass leaves too much noise.
+//! The applied force passes the same filters as the acceleration.
 
 use std::ops::Range;
 
@@ -22,54 +23,54 @@ use twin_core::notation::{
 /// Longest flight, ticks: ten hours.
 pub(super) const MOST_TICKS: f64 = 3.6e6;
 
-/// Rows of the arm, the last ones.
+/// Number of coordinates of the arm, which are the last ones.
 pub(super) const ARM_ROWS: usize = 2;
 
-/// One tick; `None` is unknown.
+/// The recorded values at one tick; `None` is unknown.
 #[derive(Clone, Debug, Default)]
 pub struct Instant {
-    /// Coordinates per row.
+    /// Value of each coordinate, m and rad.
     pub chi: [Option<f64>; N],
-    /// Rates per row.
+    /// Rate of each coordinate, m/s and rad/s.
     pub chi_dot: [Option<f64>; N],
-    /// Accelerations through `H` per row.
+    /// Acceleration of each coordinate after `H`, m/s² and rad/s².
     pub chi_ddot: [Option<f64>; N],
-    /// Applied generalised force through `H` per row.
+    /// Applied generalised force on each coordinate after `H`, N and N m.
     pub tau: [Option<f64>; N],
 }
 
-/// A whole flight.
+/// A recorded flight on ticks.
 #[derive(Clone, Debug)]
 pub struct RecordedFlight {
     /// Time of every tick, s from the first sample of the recording.
     pub times_s: Vec<f64>,
-    /// Ticks.
+    /// Values at every tick.
     pub instants: Vec<Instant>,
-    /// Where the applied force comes from.
+    /// Source of the applied force.
     pub effort: Effort,
-    /// Mass in use, kg: as given, else as it fits the wrench, else 1.
+    /// Mass in use, kg: as given; else the mass that fits the wrench; else 1.
     pub mass_kg: f64,
-    /// Whether the vehicle flies, per tick, as far as its thrust tells.
+    /// Whether the vehicle is airborne, per tick, judged by its thrust.
     pub airborne: Vec<bool>,
-    /// `M_bar` that the residual is to be formed with; `None` for one of the mass and inertia that are known.
+    /// The nominal inertia `M_bar` that forms the residual, kg and kg m²; `None` for the known mass and inertia.
     pub nominal_inertia: Option<Coords>,
-    /// Where the accelerations of translation and rotation come from.
+    /// Sources of the translational and the rotational acceleration.
     pub acceleration: [Derivation; 2],
-    /// Thrust above which the vehicle is taken to fly, in the thrust's unit.
+    /// Thrust above which the vehicle counts as airborne, in the unit of the thrust.
     pub airborne_above: f64,
-    /// Names of the joints in the rows q1 and q2, as far as the recording has any.
+    /// Names of the joints behind the coordinates q1 and q2, if the recording has joints.
     pub joint_names: Vec<String>,
 }
 
-/// Why there is nothing to mirror.
+/// Why a recording cannot be mirrored.
 #[derive(Debug, thiserror::Error)]
 pub enum MirrorError {
-    /// Neither position nor attitude.
+    /// The recording contains neither position nor attitude.
     #[error(
         "no position and no attitude in this recording; say with --map which topic and fields hold them"
     )]
     NoPose,
-    /// Times that no flight has.
+    /// The recording spans an implausible time.
     #[error(
         "the recording spans {0:.0} s, at most ten hours are mirrored; a clock in it is broken"
     )]
@@ -79,7 +80,7 @@ pub enum MirrorError {
 /// Puts `signals` onto ticks.
 ///
 /// # Errors
-/// [`MirrorError`] if there is no pose.
+/// [`MirrorError`] if the signals contain no pose, or span an implausible time.
 pub fn on_ticks(signals: &Signals, facts: &VehicleFacts) -> Result<RecordedFlight, MirrorError> {
     let spans = [
         signals.position.as_ref().and_then(super::series::Series::span),
@@ -93,7 +94,7 @@ pub fn on_ticks(signals: &Signals, facts: &VehicleFacts) -> Result<RecordedFligh
     Ok(on_times(signals, facts, times_s, Reading::Whole))
 }
 
-/// Ticks from the first time to the second.
+/// Number of ticks from `start_s` to `end_s`.
 pub(super) fn tick_count(start_s: f64, end_s: f64) -> Result<usize, MirrorError> {
     let ticks = ((end_s - start_s) / TICK_S).floor() + 1.0;
     if ticks <= MOST_TICKS {
@@ -103,18 +104,18 @@ pub(super) fn tick_count(start_s: f64, end_s: f64) -> Result<usize, MirrorError>
     }
 }
 
-/// How much of a flight is put onto ticks.
+/// The part of a flight that is put onto ticks.
 #[derive(Clone, Copy)]
 pub(super) enum Reading<'a> {
-    /// All of it.
+    /// The whole flight.
     Whole,
-    /// Stretches with a tick of which nothing is known between them.
+    /// Stretches of the flight, with an unknown tick after each.
     Stretches,
-    /// A part; what was found for the whole holds.
+    /// A part of the flight, with the results for the whole flight.
     Part(&'a Settled),
 }
 
-/// Puts `signals` onto the ticks at `times_s`, which are a tick apart wherever anything is known.
+/// Puts `signals` onto the ticks at `times_s`, which are one tick period apart wherever values are known.
 pub(super) fn on_times(
     signals: &Signals,
     facts: &VehicleFacts,
@@ -132,7 +133,7 @@ pub(super) fn on_times(
     let passes = of_translation.passes();
     let found = effort(signals, &times_s, &eta, &acceleration, passes, mass_kg, settled);
     let mut effort = found.effort;
-    // A wrench in N without a mass beside it: the mass that fits the flight.
+    // If the force is a wrench in N and no mass is given, the mass is fitted to the flight.
     let mass_kg = match (&effort, facts.mass_kg) {
         (Effort::Wrench { fit: Some(fit) }, None) if fit.gain > 0.0 => 1.0 / fit.gain,
         _ => mass_kg,
@@ -177,7 +178,7 @@ pub(super) fn on_times(
     }
 }
 
-/// `f` of attitude and value where both are known.
+/// Applies `f` to attitude and value at each tick where both are known.
 fn per_attitude(
     values: &Ticks<3>,
     eta: &Ticks<3>,
@@ -199,7 +200,7 @@ fn store<const D: usize>(
     }
 }
 
-/// `[phi theta psi]` per tick, `psi` unwrapped.
+/// `[phi theta psi]` per tick, rad, with `psi` unwrapped.
 fn attitude(signals: &Signals, times_s: &[f64]) -> Ticks<3> {
     let Some(attitudes) = &signals.attitude else { return vec![None; times_s.len()] };
     let mut last_psi: Option<f64> = None;
@@ -215,7 +216,7 @@ fn attitude(signals: &Signals, times_s: &[f64]) -> Ticks<3> {
     times_s.iter().map(unwrapped).collect()
 }
 
-/// Rows x y z; returns the acceleration and how it was got.
+/// Fills the coordinates x y z; returns the acceleration and its source.
 fn translation(
     signals: &Signals,
     times_s: &[f64],
@@ -253,7 +254,7 @@ fn translation(
     (acceleration, derivation)
 }
 
-/// Rows phi theta psi; returns how the acceleration was got.
+/// Fills the coordinates phi theta psi; returns the source of the acceleration.
 fn rotation(
     signals: &Signals,
     times_s: &[f64],
@@ -278,7 +279,7 @@ fn rotation(
     derivation
 }
 
-/// Rows q1 q2 for as many joints as there are; their torques are unknown.
+/// Fills the coordinates q1 q2 for as many joints as there are; their torques are unknown.
 fn arm(signals: &Signals, times_s: &[f64], instants: &mut [Instant]) {
     let Some((names, series)) = &signals.joints else { return };
     let joints: Ticks<2> = times_s.iter().map(|t_s| series.cubic(*t_s)).collect();
@@ -299,7 +300,7 @@ fn arm(signals: &Signals, times_s: &[f64], instants: &mut [Instant]) {
 }
 
 impl RecordedFlight {
-    /// These ticks of it alone.
+    /// The flight restricted to `ticks`.
     pub(super) fn only(mut self, ticks: Range<usize>) -> Self {
         self.times_s = self.times_s[ticks.clone()].to_vec();
         self.instants = self.instants[ticks.clone()].to_vec();
@@ -307,13 +308,13 @@ impl RecordedFlight {
         self
     }
 
-    /// The mass is neither given nor found: forces are per kilogram.
+    /// True if the mass is neither given nor found by a fit; forces are then per kilogram.
     pub fn per_kilogram(&self, facts: &VehicleFacts) -> bool {
         let known = matches!(self.effort, Effort::Wrench { fit: Some(_) } | Effort::Recorded);
         facts.mass_kg.is_none() && !known
     }
 
-    /// Inertia about the body axes that fitted torques are with, kg m²; `None` without any.
+    /// Inertia about the body axes that converts the fitted torques, kg m²; `None` if no torque was fitted.
     pub fn fitted_inertia(&self) -> Option<[f64; 3]> {
         match &self.effort {
             Effort::Fitted { torque, .. } if torque.known().contains(&true) => {
@@ -323,12 +324,13 @@ impl RecordedFlight {
         }
     }
 
-    /// Whether a residual of `row` is known at a tick in the air: on the ground it would be the floor that is learned.
+    /// Whether the residual of coordinate `row` is known at a tick in the air. On the ground the residual would include the force
+    /// of the floor.
     pub fn residual_counts(&self, tick: usize, row: usize) -> bool {
         self.airborne.get(tick).copied().unwrap_or(false) && self.residual_known(tick, row)
     }
 
-    /// Whether the residual of `row` is known at a tick.
+    /// Whether the residual of coordinate `row` is known at a tick.
     pub fn residual_known(&self, tick: usize, row: usize) -> bool {
         self.instants.get(tick).is_some_and(|i| i.tau[row].is_some() && i.chi_ddot[row].is_some())
     }

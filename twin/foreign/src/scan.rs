@@ -1,4 +1,4 @@
-//! The chunks of an MCAP file without a summary, found by stepping from record to record.
+//! Finds the chunks of an MCAP file without a summary by stepping from record to record.
 
 use std::collections::BTreeMap;
 use std::io::{BufReader, Read, SeekFrom};
@@ -8,7 +8,7 @@ use mcap::records::Record;
 use super::container::{CHUNK, DATA_END, FOOTER, Findings, HEAD_BYTES, LONGEST_RECORD_BYTES};
 use super::table::{Input, Place, Table, header as message, read_at, unpack_record};
 
-/// Opcodes that are told apart here.
+/// Opcodes that the scan distinguishes.
 const HEADER: u8 = 0x01;
 const SCHEMA: u8 = 0x03;
 const CHANNEL: u8 = 0x04;
@@ -16,23 +16,23 @@ const MESSAGE: u8 = 0x05;
 const MESSAGE_INDEX: u8 = 0x07;
 const METADATA: u8 = 0x0C;
 
-/// Head of a message index up to the length of its entries: record head, channel, length.
+/// Bytes of a message index before its entries: record head, channel, length of the entries.
 pub(super) const MESSAGE_INDEX_HEAD_BYTES: usize = HEAD_BYTES + 2 + 4;
 
-/// Bytes of an entry: log time and offset.
+/// Bytes of one entry: log time and offset.
 pub(super) const ENTRY_BYTES: u64 = 16;
 
-/// Times, size and checksum before the name of a chunk's compression.
+/// Bytes of a chunk before the name of its compression: times, size and checksum.
 const CHUNK_HEAD_BYTES: u64 = 8 + 8 + 8 + 4;
 
-/// Channel and number of messages of a message index, from its head.
+/// Channel of a message index and its number of messages, from its first bytes.
 pub(super) fn message_index(head: &[u8]) -> Option<(u16, u64)> {
     let channel = u16::from_le_bytes(head.get(HEAD_BYTES..)?.first_chunk().copied()?);
     let length = u32::from_le_bytes(head.get(HEAD_BYTES + 2..)?.first_chunk().copied()?);
     (head.first() == Some(&MESSAGE_INDEX)).then(|| (channel, u64::from(length) / ENTRY_BYTES))
 }
 
-/// Profile and program of the file.
+/// Reads profile and program from the header record.
 pub(super) fn header(file: &mut dyn Input, findings: &mut Findings) -> std::io::Result<()> {
     let at = mcap::MAGIC.len() as u64;
     let head = read_at(file, at, HEAD_BYTES as u64)?;
@@ -46,17 +46,17 @@ pub(super) fn header(file: &mut dyn Input, findings: &mut Findings) -> std::io::
     Ok(())
 }
 
-/// Where a walk over the records is.
+/// Position and results of the walk over the records.
 struct Walk<'a> {
     file: BufReader<&'a mut dyn Input>,
     at: u64,
     length: u64,
     table: Table,
-    /// Messages outside chunks were met: nothing but reading it whole will do.
+    /// True if messages lie outside of chunks; the file must then be read whole.
     loose: bool,
 }
 
-/// The table of a file of `length` bytes; `None` if messages lie outside chunks or there is no chunk.
+/// The table of a file of `length` bytes; `None` if messages lie outside of chunks or there is no chunk.
 pub(super) fn scan(file: &mut dyn Input, length: u64) -> std::io::Result<Option<Table>> {
     let at = mcap::MAGIC.len() as u64;
     file.seek(SeekFrom::Start(at))?;
@@ -88,7 +88,7 @@ pub(super) fn scan(file: &mut dyn Input, length: u64) -> std::io::Result<Option<
 }
 
 impl Walk<'_> {
-    /// One record; false at the end.
+    /// Handles one record; returns false at the end.
     fn step(&mut self) -> std::io::Result<bool> {
         let left = self.length.saturating_sub(self.at);
         let mut head = [0; HEAD_BYTES];
@@ -125,10 +125,10 @@ impl Walk<'_> {
         Ok(whole)
     }
 
-    /// The head of a chunk; returns how much of it was read.
+    /// Reads the first bytes of a chunk; returns how many it read.
     fn chunk(&mut self, body: u64, whole: bool) -> std::io::Result<u64> {
         let mut head = Vec::new();
-        // The name of a compression is a word.
+        // The name of a compression is one short word.
         let wanted = (CHUNK_HEAD_BYTES + 4 + 16).min(body);
         self.file.by_ref().take(wanted).read_to_end(&mut head)?;
         let long = |at: usize| {
@@ -179,8 +179,8 @@ impl Walk<'_> {
     }
 }
 
-/// Unpacks the chunks that say what no other place says: the first, those with messages of a channel that is not known yet (it
-/// is defined there), those without a message index, and one that is cut off.
+/// Unpacks the chunks that contain what no other place contains: the first chunk, chunks with messages of a channel that is not
+/// yet known (its definition is in that chunk), chunks without a message index, and a chunk that the end of the file cuts off.
 fn look_into(file: &mut dyn Input, table: &mut Table) {
     for number in 0..table.chunks.len() {
         let place = &table.chunks[number];

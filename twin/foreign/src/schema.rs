@@ -1,7 +1,7 @@
-//! ROS 2 message definitions as recordings embed them (`ros2msg`: one text with all types a message is made of).
+//! Reads ROS 2 message definitions as recordings embed them (`ros2msg`: one text with all types that a message is made of).
 //!
-//! In: the text. Out: a [`Layout`] that the decoder walks. Own code, because the published decoders reserve memory by lengths
-//! that a damaged message claims, and follow types that contain themselves.
+//! In: the text. Out: a [`Layout`], which guides the decoder. The published decoders reserve memory by lengths that a damaged
+//! message claims, and follow types that contain themselves. This module replaces them for that reason.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -9,7 +9,7 @@ use std::sync::Arc;
 /// Deepest nesting of types.
 const DEEPEST: usize = 16;
 
-/// A type that is not made of others.
+/// A type that contains no other type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Primitive {
     Bool,
@@ -28,7 +28,7 @@ pub(super) enum Primitive {
 }
 
 impl Primitive {
-    /// Bytes of a value, which are also its alignment; of a text those of its length.
+    /// Size of a value in bytes, which is also its alignment; for a text, the size of its length.
     pub(super) fn bytes(self) -> usize {
         match self {
             Self::Bool | Self::I8 | Self::U8 => 1,
@@ -58,15 +58,15 @@ impl Primitive {
     }
 }
 
-/// What a field holds.
+/// The content of a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Primitive(Primitive),
-    /// Another type by its number.
+    /// Another type, by its index.
     Type(usize),
 }
 
-/// How often a field holds it.
+/// The number of elements of a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Count {
     One,
@@ -82,7 +82,7 @@ pub(super) struct Field {
     pub(super) count: Count,
 }
 
-/// All types of a message, the message itself first. No type contains itself.
+/// All types of a message; the message itself is first. No type contains itself.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Layout {
     pub(super) types: Vec<Vec<Field>>,
@@ -92,7 +92,7 @@ impl Layout {
     /// Reads the definition `text` of the message `name` (`package/msg/Type`).
     ///
     /// # Errors
-    /// A sentence: what line or type is not understood.
+    /// A sentence that names the line or the type that was not understood.
     pub fn parse(name: &str, text: &str) -> Result<Self, String> {
         let mut names = vec![short(name)];
         let mut bodies = vec![Vec::new()];
@@ -119,7 +119,7 @@ impl Layout {
         Ok(layout)
     }
 
-    /// The same of a definition in IDL (`ros2idl`).
+    /// Reads a definition in IDL (`ros2idl`) of the message `name`.
     ///
     /// # Errors
     /// As [`Self::parse`].
@@ -127,7 +127,8 @@ impl Layout {
         Self::parse(name, &super::idl::as_ros2msg(name, text)?)
     }
 
-    /// Reads definitions as a ULog has them, `name:type field;type[3] field;…` on a line each, the message's own first.
+    /// Reads the definitions of a ULog file, one a line as `name:type field;type[3] field;…`; the message's own definition is
+    /// first.
     ///
     /// # Errors
     /// As [`Self::parse`].
@@ -153,7 +154,7 @@ impl Layout {
             .collect::<Result<Vec<Vec<Field>>, String>>()?;
         let mut layout = Self { types };
         let own = layout.types.first_mut().ok_or("no definition")?;
-        // Padding at the end of a message is not logged.
+        // The logger cuts off the padding at the end of a message.
         let logged = own.iter().rposition(|field| !field.name.starts_with("_padding"));
         own.truncate(logged.map_or(0, |last| last + 1));
         layout.check_depth(0, 0)?;
@@ -173,7 +174,7 @@ impl Layout {
     }
 }
 
-/// A type of a ULog as ROS 2 calls it.
+/// The ROS 2 name of a ULog type.
 fn ulog_kind(kind: &str) -> String {
     let (element, array) = kind.split_at(kind.find('[').unwrap_or(kind.len()));
     let element = match element {
@@ -185,12 +186,12 @@ fn ulog_kind(kind: &str) -> String {
     format!("{element}{array}")
 }
 
-/// `package/Type` of `package/msg/Type`.
+/// Shortens `package/msg/Type` to `package/Type`.
 pub(super) fn short(name: &str) -> String {
     name.replace("/msg/", "/")
 }
 
-/// The line up to a `#` outside quotes.
+/// The line up to a `#` outside of quotes.
 fn strip_comment(line: &str) -> &str {
     let mut quoted = false;
     for (at, c) in line.char_indices() {
@@ -203,7 +204,7 @@ fn strip_comment(line: &str) -> &str {
     line
 }
 
-/// The field of a line; `None` for a constant.
+/// The field that a line defines; `None` if the line defines a constant.
 fn field(
     line: &str,
     owner: &str,
@@ -211,7 +212,7 @@ fn field(
 ) -> Result<Option<Field>, String> {
     let (kind, rest) = line
         .split_once(char::is_whitespace)
-        .ok_or_else(|| format!("line {line:?} of {owner} is no field"))?;
+        .ok_or_else(|| format!("line {line:?} of {owner} defines no field"))?;
     let rest = rest.trim_start();
     let name: String = rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
     let after = rest[name.len()..].trim_start();
@@ -233,7 +234,7 @@ fn field(
             (element, count)
         }
     };
-    // A bound of a text does not change its form.
+    // The bound of a text does not change its wire format.
     let element = element.split("<=").next().unwrap_or(element);
     let kind = match Primitive::named(element) {
         Some(primitive) => Kind::Primitive(primitive),
@@ -242,7 +243,7 @@ fn field(
     Ok(Some(Field { name: name.into(), kind, count }))
 }
 
-/// The number of a type as `owner` names it: with its package, or of the same package.
+/// Index of a type that `owner` names with its package, or without it for a type of its own package.
 fn resolve(name: &str, owner: &str, numbers: &BTreeMap<&str, usize>) -> Result<usize, String> {
     let full = match name {
         "Header" => "std_msgs/Header".to_owned(),

@@ -1,40 +1,41 @@
-//! Samples of one quantity over time: checked as they come in, interpolated onto ticks, unknown inside gaps.
+//! Samples of one quantity over time: checked on entry, interpolated onto ticks, unknown inside gaps.
 
 use nalgebra::{SVector, UnitQuaternion};
 use serde::Serialize;
 
-/// A hole longer than this many median periods is a gap.
+/// Number of median periods above which a hole between two samples is a gap.
 const GAP_PERIODS: f64 = 4.0;
 
-/// Two samples closer than this share of the median period came in one burst: their times say nothing about their distance.
+/// Share of the median period below which two samples belong to one burst. Arrival times inside a burst say nothing about the
+/// time between the measurements.
 const BURST_SHARE: f64 = 0.25;
 
-/// Shortest and longest hole that may count as a gap, s.
+/// Bounds of the gap length, s: a shorter hole is never a gap, a longer hole always is.
 const GAP_RANGE_S: (f64, f64) = (0.05, LONGEST_HOLE_S);
 
-/// Any longer hole is a gap, s.
+/// Length above which every hole is a gap, s.
 pub(super) const LONGEST_HOLE_S: f64 = 0.5;
 
-/// What was found about the times of a series.
+/// Statistics of the sample times of a series.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Timing {
-    /// Samples used.
+    /// Number of samples used.
     pub samples: usize,
-    /// Samples per second between gaps.
+    /// Samples per second between gaps, Hz.
     pub rate_hz: f64,
-    /// Holes longer than four median periods.
+    /// Number of holes that count as gaps.
     pub gaps: usize,
     /// Longest hole, s.
     pub longest_gap_s: f64,
-    /// Samples left out: same time as the one before.
+    /// Number of samples skipped because their time equals the time of the sample before.
     pub duplicate: usize,
-    /// Samples left out: earlier than the one before.
+    /// Number of samples skipped because they are earlier than the sample before.
     pub backwards: usize,
-    /// Samples left out: not finite.
+    /// Number of samples skipped because a value is not finite.
     pub not_finite: usize,
-    /// Samples left out: exactly the value before, so not measured anew.
+    /// Number of samples skipped because they repeat the value before exactly, so nothing was measured anew.
     pub repeated: usize,
-    /// Samples averaged with the one before, because both came in one burst.
+    /// Number of samples averaged with the sample before, because both arrived in one burst.
     pub merged: usize,
 }
 
@@ -59,7 +60,7 @@ impl<const D: usize> Default for Series<D> {
 }
 
 impl<const D: usize> Series<D> {
-    /// The series of these samples; those that run backwards, repeat a time or are not finite are left out and counted.
+    /// A series of these samples. It skips and counts samples that run backwards, repeat a time or are not finite.
     pub fn new(samples: impl Iterator<Item = (f64, SVector<f64, D>)>) -> Self {
         let mut series = Self::default();
         for (t_s, value) in samples {
@@ -80,8 +81,8 @@ impl<const D: usize> Series<D> {
         series
     }
 
-    /// The same without samples that repeat the value before: a measurement that is noisy never does, so it was not made anew.
-    /// A stream that froze thereby becomes a gap.
+    /// A series as from [`Self::new`] that also skips samples which repeat the value before. A noisy measurement never repeats
+    /// exactly, so such a sample was not measured anew. A frozen stream thereby becomes a gap.
     pub fn measured(samples: impl Iterator<Item = (f64, SVector<f64, D>)>) -> Self {
         let mut repeated = 0;
         let mut last: Option<SVector<f64, D>> = None;
@@ -96,7 +97,7 @@ impl<const D: usize> Series<D> {
         series
     }
 
-    /// Periods in order of length.
+    /// Times between neighbouring samples, s, in ascending order.
     fn periods(&self) -> Vec<f64> {
         let mut periods: Vec<f64> = self.times_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
         periods.sort_by(f64::total_cmp);
@@ -141,12 +142,12 @@ impl<const D: usize> Series<D> {
         self.timing.longest_gap_s = *periods.last().unwrap_or(&0.0);
     }
 
-    /// What was found about its times.
+    /// Statistics of the sample times.
     pub fn timing(&self) -> Timing {
         self.timing
     }
 
-    /// The same, but for gaps that reach into times of which nothing was read, s.
+    /// Statistics of the sample times, without the gaps that overlap the intervals `unread_s` (s), which were not read.
     pub fn timing_read(&self, unread_s: &[(f64, f64)]) -> Timing {
         if unread_s.is_empty() {
             return self.timing;
@@ -166,17 +167,17 @@ impl<const D: usize> Series<D> {
         Some((*self.times_s.first()?, *self.times_s.last()?))
     }
 
-    /// All samples are zero.
+    /// True if all samples are zero.
     pub fn all_zero(&self) -> bool {
         self.values.iter().all(|value| value.iter().all(|v| *v == 0.0))
     }
 
-    /// Values in order.
+    /// Values in order of time.
     pub fn values(&self) -> &[SVector<f64, D>] {
         &self.values
     }
 
-    /// Number of the sample before `t_s` and the share of the way to the next; `None` outside and inside gaps.
+    /// Index of the sample before `t_s` and the fraction of the way to the next; `None` outside of the series and inside gaps.
     fn bracket(&self, t_s: f64) -> Option<(usize, f64)> {
         let after = self.times_s.partition_point(|t| *t <= t_s);
         let before = after.checked_sub(1)?;
@@ -185,14 +186,14 @@ impl<const D: usize> Series<D> {
             return (t_s <= start).then_some((before, 0.0));
         }
         let period = self.times_s[after] - start;
-        // Exactly on a sample nothing is interpolated.
+        // A time exactly on a sample needs no interpolation.
         if period > self.gap_s {
             return (t_s <= start).then_some((before, 0.0));
         }
         Some((before, (t_s - start) / period))
     }
 
-    /// Linear interpolation at `t_s`; `None` outside and inside gaps.
+    /// Linear interpolation at `t_s`; `None` outside of the series and inside gaps.
     pub fn linear(&self, t_s: f64) -> Option<SVector<f64, D>> {
         let (i, u) = self.bracket(t_s)?;
         if u == 0.0 {
@@ -201,8 +202,8 @@ impl<const D: usize> Series<D> {
         Some(self.values[i] * (1.0 - u) + self.values[i + 1] * u)
     }
 
-    /// Cubic Hermite interpolation with three-point slopes at `t_s`; `None` outside and inside gaps. Twice differentiated it
-    /// does not beat with the tick as linear interpolation does.
+    /// Cubic Hermite interpolation with three-point slopes at `t_s`; `None` outside of the series and inside gaps. Its second
+    /// derivative does not beat with the tick, as that of linear interpolation does.
     pub fn cubic(&self, t_s: f64) -> Option<SVector<f64, D>> {
         let (i, u) = self.bracket(t_s)?;
         if u == 0.0 {
@@ -219,7 +220,7 @@ impl<const D: usize> Series<D> {
         )
     }
 
-    /// Slope at sample `i`, from its neighbours that no gap separates from it.
+    /// Slope at sample `i`, per s, from the neighbours that no gap separates from it.
     fn slope(&self, i: usize) -> SVector<f64, D> {
         let step = |a: usize| {
             let b = a + 1;
@@ -234,11 +235,11 @@ impl<const D: usize> Series<D> {
     }
 }
 
-/// Attitude over time: quaternions of one sign, spherical interpolation.
+/// Attitude over time: quaternions with consistent signs, interpolated by SLERP.
 #[derive(Clone, Debug, Default)]
 pub struct Attitudes {
     raw: Series<4>,
-    /// How often the sign of the quaternion jumped.
+    /// Number of times that the sign of the quaternion jumped.
     pub sign_flips: usize,
 }
 
@@ -259,12 +260,12 @@ impl Attitudes {
         Self { raw, sign_flips }
     }
 
-    /// What was found about its times.
+    /// Statistics of the sample times.
     pub fn timing(&self) -> Timing {
         self.raw.timing
     }
 
-    /// The same, but for gaps that reach into times of which nothing was read, s.
+    /// Statistics of the sample times, without the gaps that overlap the intervals `unread_s` (s), which were not read.
     pub fn timing_read(&self, unread_s: &[(f64, f64)]) -> Timing {
         self.raw.timing_read(unread_s)
     }
@@ -274,7 +275,7 @@ impl Attitudes {
         self.raw.span()
     }
 
-    /// Attitude at `t_s`; `None` outside and inside gaps.
+    /// Attitude at `t_s`; `None` outside of the series and inside gaps.
     pub fn slerp(&self, t_s: f64) -> Option<UnitQuaternion<f64>> {
         let (i, u) = self.raw.bracket(t_s)?;
         let at = |i: usize| UnitQuaternion::from_quaternion(self.raw.values[i].into());

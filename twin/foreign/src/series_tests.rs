@@ -1,4 +1,4 @@
-//! Interpolation against functions that are known, gaps, and samples that are no use.
+//! Interpolation against known functions, gaps, and unusable samples.
 
 use super::*;
 use nalgebra::{Vector1, Vector3};
@@ -14,7 +14,7 @@ fn cubic_interpolation_is_exact_for_parabolas_at_uneven_times() {
     let series = series(times, f);
     for i in 2..45 {
         let t = f64::from(i) * 0.01 + 0.0047;
-        // The slopes are exact for parabolas inside the series; what is left is rounding.
+        // The slopes are exact for parabolas inside the series, so only rounding remains.
         assert!((series.cubic(t).unwrap().x - f(t)).abs() < 1e-12, "{t}");
     }
 }
@@ -71,7 +71,7 @@ fn samples_that_came_in_one_burst_are_one_sample_between_them() {
     for tick in 10..480 {
         let t = f64::from(tick) * 0.01;
         let speed = (series.cubic(t + 0.01).unwrap().x - series.cubic(t).unwrap().x) / 0.01;
-        // The true speed is 1; taken at their times, two samples of a burst are apart by 800.
+        // The true speed is 1. Between the arrival times of a burst, two samples would give a speed of 800.
         assert!((0.2..2.0).contains(&speed), "{t}: {speed}");
     }
 }
@@ -83,6 +83,6 @@ fn a_measurement_that_is_repeated_is_not_new_and_a_frozen_stream_is_a_gap() {
     let series = Series::measured(samples);
     assert_eq!((series.timing().gaps, series.timing().samples), (1, 41));
     assert_eq!(series.linear(0.6), None);
-    // Between two fresh samples the line through them, not the step that was logged.
+    // Between two new samples the interpolation follows their line, not the logged step.
     assert!((series.linear(0.11).unwrap().x - 0.11).abs() < 1e-12);
 }

@@ -1,6 +1,6 @@
-//! The best source of every quantity, on one clock, in ENU and FLU.
+//! Chooses the best source of every quantity, and puts it on one clock, in ENU and FLU.
 //!
-//! In: tracks. Out: [`Signals`]: a series per quantity, and what was chosen.
+//! In: tracks. Out: [`Signals`]: one series per quantity, and the sources in use.
 
 use nalgebra::{SVector, UnitQuaternion};
 use serde::Serialize;
@@ -12,36 +12,36 @@ use super::gather::{Gathered, Track};
 use super::series::{Attitudes, Series, Timing};
 use super::topics::Quantity;
 
-/// A source at this rate is good enough to be differentiated; below it the fastest source is taken.
+/// Lowest rate at which a source is good enough to be differentiated; if no source reaches it, the fastest is taken.
 const GOOD_RATE_HZ: f64 = 40.0;
 
-/// A channel with fewer samples is no source.
+/// Fewest samples of a usable channel.
 const FEWEST_SAMPLES: usize = 10;
 
-/// What a quantity is read from.
+/// The source of one quantity.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Used {
-    /// Quantity.
+    /// The quantity.
     pub quantity: Quantity,
-    /// Number of the channel.
+    /// Number of its channel.
     #[serde(skip)]
     pub channel: u16,
-    /// Topic.
+    /// Its topic.
     pub topic: String,
-    /// Schema.
+    /// Its schema.
     pub schema: String,
     /// Its clock.
     pub time: Timebase,
-    /// Rate, gaps, samples left out.
+    /// Its rate, gaps and skipped samples.
     pub timing: Timing,
 }
 
-/// Every quantity that was found, in SI units, ENU and FLU, s from the start.
+/// All quantities that were found, in SI units, ENU and FLU; times in s from the start.
 #[derive(Clone, Debug, Default)]
 pub struct Signals {
     /// Position of the base, m.
     pub position: Option<Series<3>>,
-    /// `world_from_body`.
+    /// Attitude `world_from_body`.
     pub attitude: Option<Attitudes>,
     /// Velocity in the world, m/s.
     pub velocity: Option<Series<3>>,
@@ -49,7 +49,7 @@ pub struct Signals {
     pub body_velocity: Option<Series<3>>,
     /// Angular velocity in the body, rad/s.
     pub body_rate: Option<Series<3>>,
-    /// Acceleration less gravity in the body, m/s².
+    /// Specific force (acceleration minus gravity) in the body frame, m/s².
     pub specific_force: Option<Series<3>>,
     /// Joint angles, rad.
     pub joints: Option<(Vec<String>, Series<2>)>,
@@ -57,40 +57,40 @@ pub struct Signals {
     pub force: Option<Series<3>>,
     /// Torque of the actuators in the body, N m.
     pub torque: Option<Series<3>>,
-    /// Thrust along the body's z axis in an unknown unit, and what it is.
+    /// Thrust along the body's z axis in an unknown unit, and the quantity that gives it.
     pub thrust: Option<(Quantity, Series<1>)>,
-    /// Normalised torque in the body.
+    /// Normalised torque in the body frame.
     pub torque_setpoint: Option<Series<3>>,
-    /// Wanted roll, pitch and unwrapped yaw, rad.
+    /// Commanded roll, pitch and unwrapped yaw, rad.
     pub attitude_setpoint: Option<Series<3>>,
-    /// Battery, V.
+    /// Battery voltage, V.
     pub battery: Option<Series<1>>,
-    /// What was chosen.
+    /// The sources in use.
     pub used: Vec<Used>,
-    /// What was found and not used, and why.
+    /// Sources that were found and not used, and the reason.
     pub notes: Vec<String>,
     /// Time zero on the common clock, ns.
     pub start_ns: i64,
-    /// Where the body is in the measured frame.
+    /// Rotation from the measured (marker) frame to the body.
     pub body_from_marker: UnitQuaternion<f64>,
 }
 
 struct Chooser<'a> {
     tracks: &'a [Track],
     bases: Vec<Timebase>,
-    /// What was chosen for the whole of a flight of which this is a part.
+    /// The sources chosen for the whole flight, if this is a part of it.
     chosen: Option<&'a Signals>,
-    /// Times of which nothing was read, s: no gaps of the recording.
+    /// Intervals that were not read, s; they are no gaps of the recording.
     unread_s: &'a [(f64, f64)],
     signals: Signals,
 }
 
-/// Chooses and converts.
+/// Chooses a source for every quantity and converts its samples.
 pub fn signals(gathered: &Gathered) -> Signals {
     signals_of(gathered, &[])
 }
 
-/// The same of stretches of a flight; nothing was read in the times between, ns on the log's clock.
+/// Signals of stretches of a flight. The intervals `unread_ns` between them, ns of log time, were not read.
 pub(super) fn signals_of(gathered: &Gathered, unread_ns: &[(u64, u64)]) -> Signals {
     let bases = timebases(&gathered.tracks);
     let start_ns = gathered
@@ -110,14 +110,14 @@ pub(super) fn signals_of(gathered: &Gathered, unread_ns: &[(u64, u64)]) -> Signa
     Chooser { tracks, bases, chosen: None, unread_s: &unread_s, signals }.all()
 }
 
-/// A part of a flight, read from what was `chosen` for all of it.
+/// Signals of a part of a flight, from the sources `chosen` for the whole flight.
 pub(super) fn signals_as(tracks: &[Track], chosen: &Signals) -> Signals {
     let signals = Signals { start_ns: chosen.start_ns, ..Signals::default() };
     let bases = bases_as(tracks, chosen);
     Chooser { tracks, bases, chosen: Some(chosen), unread_s: &[], signals }.all()
 }
 
-/// The clock of each track as it was `chosen` for the whole flight.
+/// Time base of each track, as it was `chosen` for the whole flight.
 pub(super) fn bases_as(tracks: &[Track], chosen: &Signals) -> Vec<Timebase> {
     let base = |track: &Track| {
         let of_channel = || chosen.used.iter().filter(|used| used.channel == track.channel);
@@ -144,7 +144,7 @@ impl Chooser<'_> {
         })
     }
 
-    /// The best track of a quantity.
+    /// Index of the best track of a quantity.
     fn best(&self, wanted: Quantity) -> Option<usize> {
         if let Some(chosen) = self.chosen {
             let used = chosen.used.iter().find(|used| used.quantity == wanted)?;
@@ -190,7 +190,7 @@ impl Chooser<'_> {
     ) -> Series<D> {
         let track = &self.tracks[number];
         let samples = self.times(number).map(|(t_s, values)| (t_s, convert(track, values)));
-        // Set-points may well stay the same; what is measured does not.
+        // A set-point may stay constant; a measurement does not.
         let commanded = matches!(
             track.quantity,
             Quantity::Force
@@ -205,7 +205,7 @@ impl Chooser<'_> {
         if commanded { Series::new(samples) } else { Series::measured(samples) }
     }
 
-    /// A vector quantity, left out if it is all zero: then nobody measured it.
+    /// A vector quantity. A series of zeros is skipped, because nothing measured it.
     fn vector(&mut self, wanted: Quantity, in_world: bool) -> Option<Series<3>> {
         let number = self.best(wanted)?;
         let series = self.series(number, |track, values| {
@@ -270,7 +270,7 @@ impl Chooser<'_> {
         self.signals.attitude = Some(attitudes);
     }
 
-    /// Attitudes of the body.
+    /// Attitudes of the body from a track.
     fn attitudes(&self, number: usize) -> Attitudes {
         let track = &self.tracks[number];
         let body_from_marker = &self.signals.body_from_marker;
@@ -287,7 +287,7 @@ impl Chooser<'_> {
         self.signals.specific_force = self.fast(Quantity::SpecificForce, false);
     }
 
-    /// A rate is used only if it comes often enough to be differentiated.
+    /// A rate, if its source is fast enough to be differentiated.
     fn fast(&mut self, wanted: Quantity, in_world: bool) -> Option<Series<3>> {
         let series = self.vector(wanted, in_world)?;
         let rate_hz = series.timing().rate_hz;

@@ -1,22 +1,22 @@
-//! What is drawn for a vehicle of which no model is at hand: a plain quadrotor that claims to be nothing else.
+//! The picture of a vehicle without a model: a plain quadrotor that does not pretend to be the real vehicle.
 
 use twin_core::elementary::{cos, sin};
 use twin_core::tick::Pose;
 use twin_plant::model::Shape;
 use twin_record::scene::{Scene, SceneBody, SceneGroup, SceneRotor, ShapeInfo};
 
-/// Name of the stand-in's only body.
+/// Name of the only body.
 const BODY: &str = "stand_in";
 
-/// Colours of the stand-in: frame, and the arm that points forward.
+/// Colours of the frame, and of the arm that points forward.
 const FRAME_RGBA: [f32; 4] = [0.55, 0.57, 0.60, 1.0];
 const FRONT_RGBA: [f32; 4] = [0.84, 0.37, 0.0, 1.0];
 
-/// Half of the stand-in's rotor distance along x and y, m, and its rotors' radius, m.
+/// Half of the distance between rotors along x and y, m, and their radius, m.
 const REACH_M: f64 = 0.17;
 const ROTOR_RADIUS_M: f64 = 0.12;
 
-/// What is drawn: a plain quadrotor that claims to be nothing else.
+/// The scene of the stand-in.
 pub fn stand_in() -> Scene {
     let rotor = |x: f64, y: f64, spin: i8| SceneRotor {
         position_in_body: [x * REACH_M, y * REACH_M, 0.03],

@@ -1,5 +1,5 @@
-//! A long flight is judged by stretches of it, evenly spread from its start to its end: what to read, how to place it on one
-//! clock, which gain the thrust has. The whole would take minutes to read.
+//! Judges a long flight by stretches that are spread evenly from its start to its end: sources, clocks and the gain of the
+//! thrust. Reading the whole flight would take minutes.
 
 use super::container::Findings;
 use super::effort::Settled;
@@ -11,24 +11,24 @@ use super::signals::{Signals, signals_of};
 use super::topics::Map;
 use twin_core::notation::TICK_S;
 
-/// A flight that lasts longer is read around the playhead, s.
+/// Duration above which a flight is read around the playhead only, s.
 pub const LONG_S: f64 = 120.0;
 
-/// Stretches that are read of it.
+/// Number of stretches.
 pub(super) const STRETCHES: u64 = 8;
 
-/// Length of a stretch, s: a few periods of any motion, and an accelerometer's bias is known after two.
+/// Length of a stretch, s: it spans a few periods of any motion, and estimating the bias of an accelerometer takes 2 s.
 pub(super) const STRETCH_S: f64 = 8.0;
 
 const NS: f64 = 1e9;
 
-/// A long flight of another program: what its stretches say, and the way to the rest of it.
+/// A long flight of another program: the results of its stretches, and access to the whole flight.
 pub(super) struct Judged {
-    /// What was chosen.
+    /// Sources in use and the samples of the stretches.
     pub signals: Signals,
     /// The stretches on ticks.
     pub recorded: RecordedFlight,
-    /// The whole.
+    /// Access to the whole flight.
     pub footage: ForeignFootage,
 }
 
@@ -37,12 +37,12 @@ fn stretches(from_ns: u64, to_ns: u64) -> Vec<(u64, u64)> {
     let length_ns = (STRETCH_S * NS) as u64;
     let last_start = to_ns.saturating_sub(length_ns).max(from_ns);
     let step_ns = (last_start - from_ns) / (STRETCHES - 1);
-    // The last one ends where the flight ends.
+    // The last stretch ends where the flight ends.
     let start = |k| if k + 1 == STRETCHES { last_start } else { from_ns + k * step_ns };
     (0..STRETCHES).map(|k| (start(k), start(k).saturating_add(length_ns).min(to_ns))).collect()
 }
 
-/// The messages of the stretches that `map` asks for.
+/// Reads the messages of the stretches that `map` asks for.
 fn gather(index: &mut Index, map: &Map, stretches: &[(u64, u64)]) -> Gathered {
     let mut collector = Collector::new(map, None);
     let mut problems = Vec::new();
@@ -68,10 +68,10 @@ fn gather(index: &mut Index, map: &Map, stretches: &[(u64, u64)]) -> Gathered {
     gathered
 }
 
-/// Judges the flight in `index` by its stretches, and says what is wrong with the file.
+/// Judges the flight in `index` by its stretches; the findings describe the damage of the file.
 ///
 /// # Errors
-/// [`MirrorError`] if they hold no pose.
+/// [`MirrorError`] if the stretches contain no pose.
 pub(super) fn judge(mut index: Index, map: &Map) -> Result<(Judged, Findings), MirrorError> {
     let (from_ns, to_ns) = index.span_ns().ok_or(MirrorError::NoPose)?;
     let stretches = stretches(from_ns, to_ns);
@@ -86,7 +86,7 @@ pub(super) fn judge(mut index: Index, map: &Map) -> Result<(Judged, Findings), M
         let number = |s: f64| ((s - start_s) / TICK_S).max(0.0);
         let inside = number(seconds(*from)).ceil() as usize..number(seconds(*to)) as usize;
         times_s.extend(inside.filter(|tick| *tick < ticks).map(|t| start_s + t as f64 * TICK_S));
-        // Of the time after a stretch nothing is known: here the filters start anew.
+        // The tick after each stretch is unknown, so that the filters restart there.
         times_s.push(seconds(*to) + super::series::LONGEST_HOLE_S);
     }
     let recorded = on_times(&signals, &map.vehicle, times_s, Reading::Stretches);
@@ -96,7 +96,7 @@ pub(super) fn judge(mut index: Index, map: &Map) -> Result<(Judged, Findings), M
         threshold: recorded.airborne_above,
     };
     signals.notes.push(format!(
-        "a flight of {:.0} s: it is read around the playhead, and what is said of its topics, gains and scales is from {STRETCHES} stretches of {STRETCH_S:.0} s",
+        "the flight lasts {:.0} s: only the part around the playhead is read, and topics, gains and scales are judged by {STRETCHES} stretches of {STRETCH_S:.0} s",
         end_s - start_s
     ));
     let findings = index.table.findings.clone();
@@ -104,7 +104,7 @@ pub(super) fn judge(mut index: Index, map: &Map) -> Result<(Judged, Findings), M
     Ok((Judged { signals, recorded, footage }, findings))
 }
 
-/// First and last time of the flight, s: of its pose, where the first and the last stretch hold one.
+/// First and last time of the flight, s: those of its pose, if the first and the last stretch contain one.
 fn flight_span(signals: &Signals, first_end_s: f64, end_s: f64) -> Result<(f64, f64), MirrorError> {
     let spans = [
         signals.position.as_ref().and_then(super::series::Series::span),
@@ -130,7 +130,7 @@ mod tests {
         for pair in found.windows(2) {
             assert!(pair[0].1 < pair[1].0, "{pair:?}");
         }
-        // Too short for as many: they overlap, and still end where it ends.
+        // In a short flight the stretches overlap; the last still ends where the flight ends.
         let short = stretches(0, 10_000_000_000);
         assert!(short.iter().all(|(from, to)| from < to && *to <= 10_000_000_000), "{short:?}");
     }

@@ -1,4 +1,4 @@
-//! What a recording holds, without decoding a message: channels, schemas, counts, rates, holes, and what is wrong.
+//! The contents of a recording without decoding a message: channels, schemas, counts, rates, gaps and damage.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
@@ -13,47 +13,47 @@ use super::index::Index;
 use super::table::Definitions;
 use super::topics::{Map, Quantity};
 
-/// One channel.
+/// One channel of a recording.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ChannelInfo {
     /// Topic.
     pub topic: String,
-    /// Name of the schema; empty if it has none.
+    /// Name of the schema; empty if the channel has none.
     pub schema: String,
     /// Encodings of schema and message.
     pub encoding: String,
-    /// Messages.
+    /// Number of messages.
     pub messages: u64,
-    /// Mean messages per second by log time.
+    /// Mean number of messages per second of log time, Hz.
     pub rate_hz: f64,
     /// Longest time between two messages, s; NaN if not every message was read.
     pub longest_gap_s: f64,
     /// Log time of the first message, s since the epoch of the recorder.
     pub first_s: f64,
-    /// Log time of the last message, s.
+    /// Log time of the last message, s since the epoch of the recorder.
     pub last_s: f64,
-    /// Messages logged earlier than the one before.
+    /// Number of messages that were logged earlier than the message before.
     pub backwards: u64,
-    /// What the map reads from it.
+    /// Quantities that the map reads from the channel.
     pub gives: Vec<Quantity>,
 }
 
-/// A whole recording.
+/// The contents of a recording.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Survey {
     /// The container and its problems.
     pub container: Findings,
-    /// Messages of all channels.
+    /// Number of messages of all channels.
     pub messages: u64,
-    /// Log time of the first message, s.
+    /// Log time of the first message, s since the epoch of the recorder.
     pub start_s: f64,
     /// Time from the first to the last message, s.
     pub duration_s: f64,
-    /// The shipped map of this family, if one is recognised.
+    /// Name of the shipped map for this recording, if its family is recognised.
     pub family: Option<&'static str>,
-    /// Channels by topic; those without a message too.
+    /// Channels in order of topic, also those without a message.
     pub channels: Vec<ChannelInfo>,
-    /// Schema names that stand for more than one definition.
+    /// Names of schemas that have more than one definition.
     pub ambiguous_schemas: Vec<String>,
 }
 
@@ -115,29 +115,29 @@ impl Survey {
     /// Reads the recording in `file`.
     ///
     /// # Errors
-    /// [`ContainerError`] if nothing can be read.
+    /// [`ContainerError`] if the file cannot be read.
     pub fn read(file: &Path) -> Result<Self, ContainerError> {
         Self::read_from(&mut BufReader::new(File::open(file)?))
     }
 
-    /// The same from any bytes.
+    /// Reads the recording in `input`.
     ///
     /// # Errors
-    /// [`ContainerError`] if nothing can be read.
+    /// [`ContainerError`] if the input cannot be read.
     pub fn read_from(input: &mut impl Read) -> Result<Self, ContainerError> {
         let mut collector = Collector::default();
         let container = container::read(input, &mut |record| collector.take(record))?;
         Ok(Self::new(container, collector))
     }
 
-    /// What the index of a file says: numbers of messages, and for all channels the times of the whole file.
+    /// The survey from the index of a file: message counts per channel, and for all channels the time span of the whole file.
     pub(super) fn of_index(index: &Index) -> Self {
         let span_ns = index.span_ns().unwrap_or((0, 0));
         let (definitions, counts) = (&index.table.definitions, &index.table.counts);
         Self::of_definitions(definitions, counts, span_ns, index.table.findings.clone())
     }
 
-    /// The same of definitions and numbers of messages per channel.
+    /// The survey from definitions and message counts per channel.
     pub(super) fn of_definitions(
         definitions: &Definitions,
         counts: &BTreeMap<u16, u64>,
@@ -189,12 +189,12 @@ impl Survey {
         }
     }
 
-    /// Whether there are messages on `topic`.
+    /// Whether `topic` has messages.
     pub fn has(&self, topic: &str) -> bool {
         self.channels.iter().any(|info| info.topic == topic && info.messages > 0)
     }
 
-    /// Topics that have messages, at most `most` of them, for an error.
+    /// At most `most` topics that have messages, as text for an error.
     pub fn topics(&self, most: usize) -> String {
         let filled = self.channels.iter().filter(|info| info.messages > 0).take(most);
         let named: Vec<String> =
@@ -202,7 +202,7 @@ impl Survey {
         if named.is_empty() { "none".to_owned() } else { named.join(", ") }
     }
 
-    /// Notes at every channel what `map` reads from it.
+    /// Notes for every channel which quantities `map` reads from it.
     pub fn mark(&mut self, map: &Map) {
         for info in &mut self.channels {
             if let Some((_, rule)) = map.rule(&info.topic, &info.schema) {

@@ -1,4 +1,4 @@
-//! What is known of an MCAP file before a chunk is unpacked, and how a piece of it is read.
+//! The table of an MCAP file: positions, definitions and counts that are known before a chunk is unpacked; and reading one piece.
 
 use std::collections::BTreeMap;
 use std::fmt::Debug;
@@ -8,39 +8,39 @@ use mcap::records::{Channel, MessageHeader, Metadata, Record, SchemaHeader};
 
 use super::container::{CHUNK, Findings, HEAD_BYTES, LONGEST_RECORD_BYTES, unpack};
 
-/// A file, or anything like it that can be read anywhere.
+/// A file, or another input that can be read at any position.
 pub trait Input: Read + Seek + Debug + Send {}
 
 impl<T: Read + Seek + Debug + Send> Input for T {}
 
-/// A chunk in the file.
+/// Position and content of one chunk.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Place {
-    /// First byte of its record.
+    /// Offset of the first byte of its record.
     pub(super) at: u64,
-    /// Bytes of its record, with head.
+    /// Length of its record with the head, bytes.
     pub(super) length: u64,
-    /// Log time of its first and last message, ns; `None` if it holds no message.
+    /// Log times of its first and last message, ns; `None` if it contains no message.
     pub(super) span_ns: Option<(u64, u64)>,
-    /// Messages per channel, where they were counted already.
+    /// Message counts per channel, where they are known already.
     pub(super) counts: BTreeMap<u16, u64>,
-    /// Where the message index of a channel lies, for those that were not.
+    /// Offset of the message index of each channel whose messages are not yet counted.
     pub(super) indexes: BTreeMap<u16, u64>,
-    /// The file ends inside it.
+    /// True if the file ends inside the chunk.
     pub(super) cut: bool,
 }
 
 /// Schemas and channels of a file.
 #[derive(Debug, Default)]
 pub(super) struct Definitions {
-    /// Name, encoding and text by number.
+    /// Header and text of each schema, by number.
     pub(super) schemas: BTreeMap<u16, (SchemaHeader, Vec<u8>)>,
     /// Channels by number.
     pub(super) channels: BTreeMap<u16, Channel>,
 }
 
 impl Definitions {
-    /// Keeps `record` if it defines something; the first definition of a channel holds.
+    /// Stores `record` if it defines a schema or a channel; the first definition of a channel stays in force.
     pub(super) fn take(&mut self, record: Record<'_>) {
         match record {
             Record::Schema { header, data } => {
@@ -53,7 +53,7 @@ impl Definitions {
         }
     }
 
-    /// As records, schemas first.
+    /// Passes on the definitions as records, schemas first.
     pub(super) fn records(&self, on: &mut dyn FnMut(Record<'_>)) {
         for (header, data) in self.schemas.values() {
             on(Record::Schema { header: header.clone(), data: data.as_slice().into() });
@@ -64,14 +64,14 @@ impl Definitions {
     }
 }
 
-/// What is known of a file before a chunk is unpacked.
+/// All that is known of a file before a chunk is unpacked.
 #[derive(Debug, Default)]
 pub(super) struct Table {
-    /// Chunks in the order of the file.
+    /// Chunks in file order.
     pub(super) chunks: Vec<Place>,
     /// Schemas and channels.
     pub(super) definitions: Definitions,
-    /// Messages per channel.
+    /// Message counts per channel.
     pub(super) counts: BTreeMap<u16, u64>,
     /// Metadata records.
     pub(super) metadata: Vec<Metadata>,
@@ -79,7 +79,7 @@ pub(super) struct Table {
     pub(super) findings: Findings,
 }
 
-/// The records in the record of a chunk.
+/// Passes on the records inside the record of a chunk.
 pub(super) fn unpack_record(
     record: &[u8],
     place: &Place,
@@ -96,7 +96,7 @@ pub(super) fn unpack_record(
     }
 }
 
-/// `length` bytes from `at` on, at most as many as a record may have.
+/// Reads `length` bytes at offset `at`, at most as many as a record may have.
 pub(super) fn read_at(input: &mut dyn Input, at: u64, length: u64) -> std::io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     input.seek(SeekFrom::Start(at))?;
@@ -108,7 +108,7 @@ pub(super) fn read_at(input: &mut dyn Input, at: u64, length: u64) -> std::io::R
     }
 }
 
-/// The message header of a record, if it is a message.
+/// The header of the message, if the record is a message.
 pub(super) fn header<'a>(record: &'a Record<'_>) -> Option<&'a MessageHeader> {
     match record {
         Record::Message { header, .. } => Some(header),

@@ -1,6 +1,7 @@
-//! How much force a normalised thrust is, per kilogram: `z_body . (a + g) = k u(t - lag)`, fitted to a flight.
+//! Fits the force per kilogram of a normalised thrust to a flight: `z_body . (a + g) = k u(t - lag)`.
 //!
-//! Both sides pass the same `H`. The uncertainty is a jackknife over blocks of 2 s, because neighbouring ticks are not independent.
+//! Both sides pass the same filter `H`. The uncertainty is a jackknife over blocks of 2 s, because neighbouring ticks are
+//! correlated.
 
 use nalgebra::Vector1;
 use serde::Serialize;
@@ -10,45 +11,45 @@ use super::series::Series;
 use twin_core::elementary::squared;
 use twin_core::notation::TICK_S;
 
-/// Longest lag that is tried, ticks.
+/// Longest lag that the fit tries, ticks.
 pub(super) const LONGEST_LAG_TICKS: usize = 25;
 
-/// Lags whose errors differ by less than this share of the squared force say the same (a constant thrust fits at any lag): the
-/// shortest is taken, so that a part of a flight and all of it take the same.
+/// Smallest meaningful difference between the errors of two lags, as a share of the squared force. A constant thrust fits at any
+/// lag. Among equal lags the fit takes the shortest, so that a part of a flight gives the same lag as the whole.
 const SAME_SHARE: f64 = 1e-7;
 
-/// Ticks of a jackknife block.
+/// Length of a jackknife block, ticks.
 pub(super) const BLOCK_TICKS: usize = 200;
 
-/// Fewest ticks in the air for a fit.
+/// Fewest airborne ticks for a fit.
 const FEWEST_TICKS: usize = 200;
 
-/// In the air is where the thrust is above this share of its 90 % quantile.
+/// The vehicle is airborne where the thrust exceeds this share of its 90 % quantile.
 pub(super) const AIRBORNE_SHARE: f64 = 0.5;
 
-/// A gain fitted to one flight.
+/// The gain of the thrust, fitted to one flight.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ThrustFit {
     /// Specific force per unit of thrust, m/s² per unit.
     pub gain: f64,
-    /// Its standard error.
+    /// Standard error of the gain, in the unit of the gain.
     pub standard_error: f64,
     /// Gain of the first half of the flight.
     pub gain_first_half: f64,
-    /// Gain of the second half; the battery falls.
+    /// Gain of the second half; it differs where the battery voltage falls.
     pub gain_second_half: f64,
-    /// How much the thrust leads the acceleration, s.
+    /// Time by which the thrust leads the acceleration, s.
     pub lag_s: f64,
-    /// Share of the variance of the specific force that is explained.
+    /// Share of the variance of the specific force that the fit explains.
     pub r2: f64,
     /// Mean thrust in the air, in its unit.
     pub mean_input: f64,
-    /// Ticks used.
+    /// Number of ticks used.
     pub ticks: usize,
 }
 
 impl ThrustFit {
-    /// Gain, uncertainty and lag for people.
+    /// Gain, uncertainty and lag in words.
     pub fn sentence(&self) -> String {
         format!(
             "{:.3} +- {:.3} m/s2 per unit ({:.3} then {:.3}), lag {:.2} s, R2 {:.3}, {} ticks",
@@ -63,22 +64,23 @@ impl ThrustFit {
     }
 }
 
-/// The thrust at every tick, `lag_s` later.
+/// The thrust at every tick, delayed by `lag_s`.
 pub(super) fn delayed(thrust: &Series<1>, times_s: &[f64], lag_s: f64) -> Ticks<1> {
     times_s.iter().map(|t_s| thrust.linear(t_s - lag_s)).collect()
 }
 
-/// The thrust that is exceeded a tenth of the time.
+/// The 90 % quantile of the thrust.
 pub(super) fn high(thrust: &Series<1>) -> f64 {
     let mut sorted: Vec<f64> = thrust.values().iter().map(|v| v.x).collect();
     sorted.sort_by(f64::total_cmp);
     sorted.get(sorted.len() * 9 / 10).copied().unwrap_or(0.0)
 }
 
-/// Fits `specific_force` (m/s² along the body's z axis, already through `H` `passes` times) to the thrust. A thrust below `least` is not flying.
+/// Fits `specific_force` (m/s² along the body's z axis, which has passed `H` `passes` times) to the thrust. A vehicle with less
+/// thrust than `least` does not fly.
 ///
 /// # Errors
-/// A sentence: why there is nothing to fit.
+/// A sentence that says why the fit is impossible.
 pub(super) fn fit(
     thrust: &Series<1>,
     times_s: &[f64],
@@ -148,7 +150,7 @@ fn mean_square(pairs: &[(f64, f64)]) -> f64 {
     pairs.iter().map(|(u, y)| squared(y - k * u)).sum::<f64>() / pairs.len() as f64
 }
 
-/// Jackknife over blocks.
+/// Standard error by a jackknife over blocks.
 fn standard_error(pairs: &[(f64, f64)]) -> f64 {
     let blocks: Vec<&[(f64, f64)]> = pairs.chunks(BLOCK_TICKS).collect();
     let n = blocks.len() as f64;
@@ -170,7 +172,7 @@ mod tests {
     use super::*;
     use twin_core::elementary::{cos, sin};
 
-    /// Thrust that varies slowly enough for `H` and interpolation to leave it as it is.
+    /// A thrust that varies so slowly that `H` and interpolation do not change it.
     fn input(t_s: f64) -> f64 {
         0.5 + 0.05 * sin(2.0 * t_s) + 0.03 * cos(3.3 * t_s)
     }
@@ -196,7 +198,7 @@ mod tests {
     fn a_constant_thrust_that_any_lag_fits_has_none() {
         let times: Vec<f64> = (0..3000).map(|i| f64::from(i) * TICK_S).collect();
         let thrust = Series::new(times.iter().map(|t| (*t, Vector1::new(0.5))));
-        // What rounding leaves: least at a lag that means nothing.
+        // Rounding errors: their minimum lies at a meaningless lag.
         let force: Vec<Option<f64>> =
             times.iter().map(|t| Some(9.81 + 1e-5 * sin(7.0 * t))).collect();
         assert_eq!(fit(&thrust, &times, &force, 1, 0.05).unwrap().lag_s.to_bits(), 0);

@@ -1,6 +1,8 @@
-//! One table from topic and schema to quantity, unit, frame and time: `maps/*.toml`, and any file of the same form.
+//! A map: the table from topic and schema to quantity, unit, frame and time. `maps/*.toml` and any file of the same form hold
+//! one.
 //!
-//! In: TOML. Out: a [`Map`]; the first rule that fits a channel says what its messages give. Earlier rules are better sources.
+//! In: TOML. Out: a [`Map`]. The first rule that matches a channel says which quantities its messages give. Earlier rules are
+//! better sources.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
@@ -10,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use super::schema::short;
 use super::value::Path;
 
-/// The rules for messages that many stacks use.
+/// The rules for messages that many software stacks use.
 const GENERIC: &str = include_str!("maps/generic.toml");
 
 /// Maps that come with the program, by name.
@@ -20,47 +22,47 @@ pub const SHIPPED: [(&str, &str); 3] = [
     ("px4_arm", include_str!("maps/px4_arm.toml")),
 ];
 
-/// The same, parsed once.
+/// The generic rules, parsed once.
 static GENERIC_MAP: LazyLock<Result<Map, MapError>> =
     LazyLock::new(|| Map::parse(GENERIC, "generic map"));
 static SHIPPED_MAPS: LazyLock<Vec<(&str, Map)>> = LazyLock::new(|| {
     SHIPPED.iter().filter_map(|(name, text)| Some((*name, Map::parse(text, name).ok()?))).collect()
 });
 
-/// Which messages give what, and what is known about the vehicle.
+/// A map: the rules for messages, and facts about the vehicle.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Map {
-    /// What is known about the vehicle.
+    /// Facts about the vehicle.
     pub vehicle: VehicleFacts,
-    /// A recording with a channel of one of these topics is of this family.
+    /// Topics that identify the family: a recording with a channel of one of these topics belongs to it.
     pub detect: Vec<String>,
-    /// Rules, best source first.
+    /// Rules, the best source first.
     pub topic: Vec<Rule>,
 }
 
-/// What no message says about a vehicle.
+/// Facts about a vehicle that no message contains.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct VehicleFacts {
-    /// What it is called.
+    /// Name of the vehicle.
     pub name: String,
     /// Mass, kg; without it forces are per kilogram.
     pub mass_kg: Option<f64>,
     /// Principal inertia about the body axes, kg m²; without it the torques of normalised set-points are per kg m².
     pub inertia_kg_m2: Option<[f64; 3]>,
-    /// Joints that get the rows q1 and q2 [default: the first two].
+    /// Names of the joints that become the coordinates q1 and q2 [default: the first two].
     pub joints: Vec<String>,
 }
 
-/// What the messages of one kind of channel give.
+/// The quantities that the messages of one kind of channel give.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rule {
-    /// Topic, `*` for any part [default: any].
+    /// Pattern of the topic; `*` matches any part [default: any].
     #[serde(default = "any")]
     pub topic: String,
-    /// Schema such as `nav_msgs/msg/Odometry` [default: any].
+    /// Pattern of the schema, such as `nav_msgs/msg/Odometry` [default: any].
     #[serde(default = "any")]
     pub schema: String,
     /// Axes of the world.
@@ -69,16 +71,17 @@ pub struct Rule {
     /// Axes of the body.
     #[serde(default)]
     pub body: Body,
-    /// When a message was measured.
+    /// Source of the time of a message.
     #[serde(default)]
     pub time: TimeSource,
-    /// Roll, pitch, yaw of the measured frame in the body, degrees: a marker that is not level.
+    /// Roll, pitch and yaw of the measured frame in the body frame, degrees, for a marker that is not mounted level.
     #[serde(default)]
     pub mount_rpy_deg: [f64; 3],
-    /// The vehicle stands level during the first second: what tilt is measured there is that of the measured frame.
+    /// True if the vehicle stands level during the first second; the tilt that is measured then is the tilt of the measured
+    /// frame.
     #[serde(default)]
     pub level_at_rest: bool,
-    /// Quantities.
+    /// The quantities and their fields.
     pub gives: BTreeMap<Quantity, Fields>,
 }
 
@@ -108,11 +111,11 @@ pub enum Body {
     Frd,
 }
 
-/// Where the time of a message comes from.
+/// Source of the time of a message.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case", tag = "from", deny_unknown_fields)]
 pub enum TimeSource {
-    /// When the recorder wrote it.
+    /// Log time.
     #[default]
     Log,
     /// A `builtin_interfaces/Time` at `path`.
@@ -120,14 +123,14 @@ pub enum TimeSource {
         /// Path of the stamp.
         path: String,
     },
-    /// Microseconds at `path`.
+    /// A number of microseconds at `path`.
     Microseconds {
         /// Path of the number.
         path: String,
     },
 }
 
-/// What can be measured.
+/// A quantity that a message can give. The last number is the count of values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Quantity {
@@ -153,20 +156,20 @@ pub enum Quantity {
     Thrust,
     /// Normalised torque in the body, 3.
     TorqueSetpoint,
-    /// Wanted attitude world-from-body, w x y z.
+    /// Commanded attitude world-from-body, w x y z.
     AttitudeSetpoint,
     /// Collective thrust in any unit, 1.
     Collective,
-    /// Normalised motor outputs, any number; channels that are not finite are no motors.
+    /// Normalised motor outputs, any number; outputs that are not finite belong to no motor.
     Motors,
     /// Joint angles: names, then positions.
     Joints,
-    /// Battery, V, 1.
+    /// Battery voltage, V, 1.
     Battery,
 }
 
 impl Quantity {
-    /// Numbers of one sample; `None` if any number will do.
+    /// Number of values in one sample; `None` if any number is allowed.
     pub fn width(self) -> Option<usize> {
         match self {
             Self::Quaternion | Self::AttitudeSetpoint => Some(4),
@@ -177,30 +180,30 @@ impl Quantity {
     }
 }
 
-/// Where the numbers of a quantity lie in a message and what they mean.
+/// The position of a quantity in a message, and the meaning of its numbers.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Fields {
-    /// Paths in order.
+    /// Paths of the numbers, in order.
     pub paths: Vec<String>,
     /// Unit of the numbers: one of [`UNITS`] [default: SI].
     #[serde(default)]
     pub unit: String,
-    /// Multiplied to each number, after the unit; also its sign.
+    /// Factor for each number, applied after the unit; it may change the sign.
     #[serde(default)]
     pub scale: Vec<f64>,
-    /// Added after scaling.
+    /// Offset for each number, added after scaling.
     #[serde(default)]
     pub offset: f64,
-    /// Limits after scaling and offset.
+    /// Limits that clip the numbers after scaling and offset.
     #[serde(default)]
     pub clip: Option<[f64; 2]>,
-    /// Only messages whose field has one of these values give it.
+    /// Conditions on other fields: only messages that meet them give the quantity.
     #[serde(default)]
     pub only_if: Option<Condition>,
 }
 
-/// A field that must have one of some values.
+/// A condition: a field must have one of some values.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Condition {
@@ -210,7 +213,7 @@ pub struct Condition {
     pub is: Vec<f64>,
 }
 
-/// Units a map may name, with their factor to SI.
+/// Units that a map may name, with their factors to SI.
 pub const UNITS: [(&str, f64); 16] = [
     ("", 1.0),
     ("1", 1.0),
@@ -233,33 +236,33 @@ pub const UNITS: [(&str, f64); 16] = [
 /// Why a map cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum MapError {
-    /// Not TOML, or not of this form.
+    /// The text is not TOML, or not of the form of a map.
     #[error("{place}: {why}")]
     Form {
-        /// Where the map comes from.
+        /// Source of the map.
         place: String,
-        /// What the reader says, with line and key.
+        /// Message of the parser, with line and key.
         why: String,
     },
-    /// A value that makes no sense.
+    /// A value is not allowed.
     #[error("{place}: topic rule {rule} ({topic}): {why}")]
     Value {
-        /// Where the map comes from.
+        /// Source of the map.
         place: String,
         /// Number of the rule, from 1.
         rule: usize,
-        /// Its topic or schema.
+        /// Topic or schema of the rule.
         topic: String,
-        /// What was found and what is allowed.
+        /// The value that was found, and the allowed values.
         why: String,
     },
 }
 
 impl Map {
-    /// The map in `text`; `place` says in errors where it is from.
+    /// Parses the map in `text`; `place` names its source in errors.
     ///
     /// # Errors
-    /// [`MapError`] naming line and key, or rule and value.
+    /// [`MapError`], which names line and key, or rule and value.
     pub fn parse(text: &str, place: &str) -> Result<Self, MapError> {
         let map: Self = toml::from_str(text)
             .map_err(|error| MapError::Form { place: place.to_owned(), why: error.to_string() })?;
@@ -280,7 +283,7 @@ impl Map {
         Ok(map)
     }
 
-    /// The rules of `own` first, then the generic ones.
+    /// A map with the rules of `own` first, then the generic rules.
     ///
     /// # Errors
     /// [`MapError`] if the generic rules are broken.
@@ -293,7 +296,7 @@ impl Map {
         Ok(map)
     }
 
-    /// The shipped map whose family a recording with these topics belongs to.
+    /// Name of the shipped map for a recording with these topics; `None` if no family is recognised.
     pub fn detect(topics: &[&str]) -> Option<&'static str> {
         let fits = |map: &Self| {
             topics.iter().any(|topic| map.detect.iter().any(|pattern| glob(pattern, topic)))
@@ -301,12 +304,12 @@ impl Map {
         SHIPPED_MAPS.iter().find(|(_, map)| fits(map)).map(|(name, _)| *name)
     }
 
-    /// The shipped map of that name.
+    /// The shipped map called `name`.
     pub fn shipped(name: &str) -> Option<Self> {
         SHIPPED_MAPS.iter().find(|(known, _)| *known == name).map(|(_, map)| map.clone())
     }
 
-    /// The first rule for a channel, with its number.
+    /// The first rule that matches a channel, with its index.
     pub fn rule(&self, topic: &str, schema: &str) -> Option<(usize, &Rule)> {
         self.topic.iter().enumerate().find(|(_, rule)| {
             glob(&rule.topic, topic) && glob(&short(&rule.schema), &short(schema))
@@ -330,7 +333,7 @@ impl Rule {
 }
 
 impl Fields {
-    /// Factor of the unit.
+    /// Factor from the unit to SI.
     pub fn factor(&self) -> f64 {
         UNITS.iter().find(|(name, _)| *name == self.unit).map_or(1.0, |(_, factor)| *factor)
     }
@@ -366,7 +369,7 @@ impl Fields {
     }
 }
 
-/// Whether `text` is of the form `pattern`, in which `*` stands for any part.
+/// Whether `text` matches `pattern`, in which `*` stands for any part.
 fn glob(pattern: &str, text: &str) -> bool {
     let mut parts = pattern.split('*');
     let Some(rest) = parts.next().and_then(|first| text.strip_prefix(first)) else { return false };

@@ -1,4 +1,4 @@
-//! The shipped maps are sound, the right rule is found, a bad map is refused with its place.
+//! The shipped maps are valid, the right rule is found, and a bad map is refused with its place.
 
 use super::*;
 

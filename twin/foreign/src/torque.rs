@@ -1,6 +1,6 @@
-//! Torque about the body axes from normalised set-points, with the gains that a flight has.
+//! Torque about the body axes from normalised set-points, by the gains fitted to the flight.
 //!
-//! Per axis `m = J k u(t - lag)`. Of a vehicle whose inertia is unknown `J` is 1 kg m²: its torques are then per kg m².
+//! Per axis `m = J k u(t - lag)`. If the inertia is unknown, `J` is 1 kg m² and the torques are per kg m².
 
 use nalgebra::Vector3;
 
@@ -13,7 +13,8 @@ use super::torque_fit::{TorqueAxis, fit};
 use super::torque_gains::Torque;
 use twin_core::notation::body_rate_from_euler_rate;
 
-/// Angular acceleration of the body by torque per tick, rad/s², before `H`: with the gyroscopic part where the inertia is known.
+/// Angular acceleration of the body by torque per tick, rad/s², before `H`. It includes the gyroscopic part if the inertia is
+/// known.
 fn turning(
     signals: &Signals,
     times_s: &[f64],
@@ -37,8 +38,8 @@ fn turning(
     slope(&rate).into_iter().zip(&rate).map(one).collect()
 }
 
-/// The torque that `signals` hold: its gains, and per tick the moment in the body before `H`, N m. An axis without a gain has the
-/// moment that turned it, because it has a share in the other rows. What is `settled` is not fitted.
+/// The torque in `signals`: its gains, and per tick the moment in the body frame before `H`, N m. An axis without a gain gets the
+/// moment that turned it, because that moment contributes to the other coordinates. With `settled` nothing is fitted anew.
 pub(super) fn torque(
     signals: &Signals,
     (times_s, eta, airborne): (&[f64], &Ticks<3>, &[bool]),
@@ -56,7 +57,7 @@ pub(super) fn torque(
         (Some(_), _) => return unknown("no torque of the flight was fitted"),
         (None, None) => {
             return unknown(
-                "no attitude set-point in the log: in closed loop a torque cannot be told from what it answers",
+                "no attitude set-point in the log: without it a gain cannot be identified in closed loop",
             );
         }
         (None, Some(setpoint)) => {

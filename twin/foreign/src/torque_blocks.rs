@@ -1,6 +1,7 @@
-//! Sums over blocks of 2 s of a flight from which the gain of a normalised torque is fitted.
+//! Sums over blocks of 2 s of a flight, from which the gain of a normalised torque is fitted.
 //!
-//! In: torque, attitude set-point, angular acceleration. Out: per axis a [`Block`] for every 2 s of which all are known in the air.
+//! In: torque, attitude set-point, angular acceleration. Out: per axis a [`Block`] for every 2 s in the air during which all
+//! three are known.
 
 use std::ops::Range;
 
@@ -11,29 +12,29 @@ use super::series::Series;
 use super::thrust_fit::{BLOCK_TICKS, LONGEST_LAG_TICKS};
 use twin_core::notation::TICK_S;
 
-/// Taps of the set-point, and ticks from one to the next.
+/// Number of taps of the set-point, and the ticks between two taps.
 pub(super) const TAPS: usize = 12;
 const TAP_TICKS: usize = 5;
 
-/// What is slower than a mean over so many ticks to either side is trim or disturbance: 0.5 s.
+/// Half width of the moving mean, ticks (0.5 s). The mean removes slow changes, which are trim or disturbance.
 const SLOW_TICKS: usize = 50;
 
 pub(super) type Square = SMatrix<f64, TAPS, TAPS>;
 pub(super) type Column = SVector<f64, TAPS>;
 
-/// What a gain is fitted to, of all three axes.
+/// The data of all three axes to which a gain is fitted.
 pub(super) struct Known<'a> {
     /// Time of every tick, s.
     pub times_s: &'a [f64],
     /// Normalised torque about the body axes.
     pub torque: &'a Series<3>,
-    /// Wanted roll, pitch and yaw, rad.
+    /// Commanded roll, pitch and yaw, rad.
     pub setpoint: &'a Series<3>,
-    /// Angular acceleration of the body, rad/s², which passed `H` so many times.
+    /// Angular acceleration of the body, rad/s², after `passes` passes of `H`.
     pub acceleration: &'a Ticks<3>,
-    /// So many times.
+    /// Number of passes of `H`.
     pub passes: usize,
-    /// Where it flies.
+    /// Whether the vehicle is airborne, per tick.
     pub airborne: &'a [bool],
 }
 
@@ -42,7 +43,8 @@ pub(super) fn blocks(known: &Known<'_>) -> [Vec<Block>; 3] {
     let (newest, oldest) = (known.delayed(0), known.delayed(LONGEST_LAG_TICKS));
     let taps =
         |tick: usize| (0..TAPS).all(|tap| known.setpoint.linear(known.tap_s(tick, tap)).is_some());
-    // What is known at the shortest and at the longest lag is so between: a filter settles for as long.
+    // A tick whose torque is known at the shortest and at the longest lag is known at the lags between, because the filter
+    // settles as long at each.
     let usable = |tick: &usize| {
         let tick = *tick;
         let torque = newest[tick].is_some() && oldest[tick].is_some();
@@ -77,7 +79,7 @@ impl Known<'_> {
     }
 }
 
-/// Values per tick without what changes slowly.
+/// Values per tick minus their moving mean.
 struct Fast(Vec<f64>);
 
 impl Fast {
@@ -100,31 +102,31 @@ impl Fast {
     }
 }
 
-/// Sums of products over a block: `z` taps of the set-point, `y` acceleration, `u` torque.
+/// Sums of products over a block: `z` are taps of the set-point, `y` is acceleration, `u` is torque.
 pub(super) struct Block {
     ticks: Range<usize>,
     z: Vec<Column>,
     y: Vec<f64>,
-    /// With what changes slowly, rad/s².
+    /// Mean acceleration with its slow part, rad/s².
     pub mean_y: f64,
     pub zz: Square,
     pub zy: Column,
     pub yy: f64,
-    /// Per lag, ticks.
+    /// Sums with the delayed torque, by lag in ticks.
     pub lags: Vec<Lagged>,
 }
 
-/// The same with a delayed torque.
+/// Sums of products with a delayed torque.
 #[derive(Clone, Copy)]
 pub(super) struct Lagged {
-    /// With what changes slowly.
+    /// Mean torque with its slow part.
     pub mean_u: f64,
     pub zu: Column,
     pub uy: f64,
     pub uu: f64,
 }
 
-/// The blocks of an axis, without lags.
+/// The blocks of one axis, without lags.
 fn of_axis(known: &Known<'_>, axis: usize, runs: &[Range<usize>]) -> Vec<Block> {
     let ticks = known.times_s.len();
     let turning = |tick: usize| known.acceleration[tick].map_or(0.0, |y| y[axis]);
@@ -152,7 +154,7 @@ fn of_axis(known: &Known<'_>, axis: usize, runs: &[Range<usize>]) -> Vec<Block> 
     runs.iter().flat_map(starts).map(|start| block(start..start + BLOCK_TICKS)).collect()
 }
 
-/// Adds the torque at the next lag.
+/// Adds the sums at the next lag to every block.
 fn add_lag(blocks: &mut [Block], torque: &Fast, value: impl Fn(usize) -> f64) {
     for block in blocks {
         let u = &torque.0[block.ticks.clone()];

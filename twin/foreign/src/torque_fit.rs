@@ -1,11 +1,12 @@
-//! How fast a normalised torque turns the body: `d omega / dt = k u(t - lag) + trim` per axis, fitted to a flight.
+//! Fits the angular acceleration per unit of a normalised torque to a flight: `d omega / dt = k u(t - lag) + trim` per axis.
 //!
-//! In closed loop a torque also answers the noise of the gyroscope and the disturbances it fights, and least squares of the one on
-//! the other finds a gain that is far too small. The attitude set-point knows of neither: of torque and acceleration only the part
-//! is compared that the last 0.6 s of the set-point say (two-stage least squares; Söderström and Stoica, *Instrumental Variable
-//! Methods*). A block of 2 s is never predicted from itself, or what cannot be predicted would look predicted. What changes slowly
-//! is left out, blocks that fit far worse than most too: there the vehicle touches something. Both sides pass the same `H`. The
-//! uncertainty is a jackknife over the blocks, because neighbouring ticks are not independent.
+//! In closed loop a torque also answers the noise of the gyroscope and the disturbances that it compensates. Ordinary least
+//! squares therefore finds a gain that is far too small. The attitude set-point depends on neither noise nor disturbance. The fit
+//! uses only the part of torque and acceleration that the last 0.6 s of the set-point predict (two-stage least squares;
+//! Söderström and Stoica, *Instrumental Variable Methods*). The prediction of a block of 2 s is fitted to the other blocks alone,
+//! because a block could otherwise predict its own noise. The fit removes slow changes, and skips blocks that fit far worse than
+//! most: the vehicle touches something there. Both sides pass the same filter `H`. The uncertainty is a jackknife over the
+//! blocks, because neighbouring ticks are correlated.
 
 use nalgebra::{Cholesky, Const};
 use serde::Serialize;
@@ -18,62 +19,64 @@ use twin_core::notation::TICK_S;
 /// Fewest blocks for a fit: 20 s.
 const FEWEST_BLOCKS: usize = 10;
 
-/// Blocks whose error is so many times that of the median block are left out, found in at most so many rounds.
+/// Blocks whose error exceeds this multiple of the median block's error are skipped; the fit repeats at most so many times to
+/// find them.
 const OUTLIER: f64 = 4.0;
 const ROUNDS: usize = 5;
 
-/// Least share of the variance of the torque that the set-point must predict: 20 s of noise have 0.03 once in twenty flights.
+/// Least share of the torque's variance that the set-point must predict. In 20 s of pure noise the share reaches 0.03 in one of
+/// twenty flights.
 const LEAST_SHARE: f64 = 0.05;
 
-/// Least share of the acceleration that answers the set-point which the torque must explain.
+/// Least share that the torque must explain of the acceleration that the set-point predicts.
 const LEAST_R2: f64 = 0.5;
 
-/// Largest standard error of a gain that is used, as a share of it.
+/// Largest standard error of a usable gain, as a share of the gain.
 const LARGEST_ERROR: f64 = 0.25;
 
-/// Added to the diagonal of the normal equations, as a share of its mean: neighbouring taps say nearly the same.
+/// Ridge on the diagonal of the normal equations, as a share of its mean: neighbouring taps are nearly equal.
 const RIDGE: f64 = 1e-9;
 
 /// The gain of one axis.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case", tag = "kind")]
 pub enum TorqueAxis {
-    /// Fitted.
+    /// The gain was fitted.
     Fitted(TorqueFit),
-    /// Not to be had.
+    /// The gain is unknown.
     Unknown {
-        /// Why.
+        /// The reason.
         why: String,
     },
 }
 
-/// A gain fitted to one flight.
+/// The gain of a torque, fitted to one flight.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct TorqueFit {
     /// Angular acceleration per unit of torque, rad/s² per unit.
     pub gain: f64,
-    /// Its standard error.
+    /// Standard error of the gain, in the unit of the gain.
     pub standard_error: f64,
     /// Gain of the first half of the blocks.
     pub gain_first_half: f64,
     /// Gain of the second half.
     pub gain_second_half: f64,
-    /// What turns the body besides, rad/s²: a centre of mass beside the rotors', unequal rotors.
+    /// Constant angular acceleration without torque, rad/s², from an offset centre of mass or unequal rotors.
     pub trim: f64,
-    /// How much the torque leads the acceleration, s.
+    /// Time by which the torque leads the acceleration, s.
     pub lag_s: f64,
-    /// Share of the acceleration answering the set-point that the torque explains.
+    /// Share that the torque explains of the acceleration that the set-point predicts.
     pub r2: f64,
-    /// Share of the variance of the torque that the set-point predicts: the excitation.
+    /// Share of the torque's variance that the set-point predicts: the excitation.
     pub answering: f64,
-    /// Blocks of 2 s used.
+    /// Number of blocks of 2 s used.
     pub blocks: usize,
-    /// Blocks left out.
+    /// Number of blocks skipped.
     pub blocks_left_out: usize,
 }
 
 impl TorqueFit {
-    /// Gain, uncertainty and lag for people.
+    /// Gain, uncertainty and lag in words.
     pub fn sentence(&self) -> String {
         format!(
             "{:.1} +- {:.1} rad/s2 per unit ({:.1} then {:.1}), lag {:.2} s, R2 {:.2}, {} blocks of 2 s, {} left out",
@@ -97,25 +100,25 @@ pub(super) fn fit(known: &Known<'_>) -> [TorqueAxis; 3] {
     })
 }
 
-/// One round of a fit.
+/// Result of one round of a fit.
 struct Round {
     lag: usize,
     r2: f64,
     answering: f64,
-    /// Per block that is kept: predicted torque times acceleration, and times torque.
+    /// For each kept block: predicted torque times acceleration, and predicted torque times torque.
     products: Vec<(f64, f64)>,
-    /// Per block, kept or not: sum of squares of the predicted torque.
+    /// For each block, kept or not: sum of squares of the predicted torque.
     predicted: Vec<f64>,
 }
 
-/// The gain is the ratio of these sums.
+/// The gain as a ratio of the summed products; NaN if the denominator is zero.
 fn ratio(products: &[(f64, f64)]) -> f64 {
     let (above, below) =
         products.iter().fold((0.0, 0.0), |sums, product| (sums.0 + product.0, sums.1 + product.1));
     if below == 0.0 { f64::NAN } else { above / below }
 }
 
-/// Fits the blocks that are kept, at the lag at which the torque explains most; `None` if the set-point does not move.
+/// Fits the kept blocks at the lag at which the torque explains most; `None` if the set-point does not move.
 fn round(blocks: &[Block], kept: &[bool]) -> Option<Round> {
     let weigh = |kept: bool| f64::from(u8::from(kept));
     let weighed = || blocks.iter().zip(kept).map(|(block, kept)| (block, weigh(*kept)));
@@ -123,7 +126,7 @@ fn round(blocks: &[Block], kept: &[bool]) -> Option<Round> {
     let ridge = Square::identity() * (RIDGE * all.trace() / TAPS as f64);
     let factors: Vec<Cholesky<f64, Const<TAPS>>> =
         weighed().map(|(b, w)| Cholesky::new(all - b.zz * w + ridge)).collect::<Option<_>>()?;
-    // Each block from what the others say.
+    // The coefficients for each block come from the other blocks.
     let predicted = |of: &dyn Fn(&Block) -> Column| -> Vec<Column> {
         let all: Column = weighed().map(|(block, weight)| of(block) * weight).sum();
         let rest = weighed().map(|(block, weight)| all - of(block) * weight);
@@ -144,17 +147,17 @@ fn round(blocks: &[Block], kept: &[bool]) -> Option<Round> {
             .collect();
         let found: f64 = products.iter().map(|(_, found)| found).sum();
         let torque: f64 = weighed().map(|(block, weight)| weight * block.lags[lag].uu).sum();
-        // Against each other counts less than not at all.
+        // A negative correlation counts as a negative share.
         let share = |both: f64, a: f64, b: f64| both * both.abs() / (a * b).max(f64::MIN_POSITIVE);
         let predicted = blocks.iter().zip(&u).map(|(block, u)| u.dot(&(block.zz * u))).collect();
         let (r2, answering) = (share(uy, uu, yy), share(found, uu, torque));
         Round { lag, r2, answering, products, predicted }
     };
-    // A wrong sign is found too: the sign of the gain is looked at later.
+    // The search accepts a negative gain too; its sign is checked later.
     (0..=LONGEST_LAG_TICKS).map(at).max_by(|a, b| a.r2.abs().total_cmp(&b.r2.abs()))
 }
 
-/// Fits the blocks of an axis, without those that do not fit.
+/// Fits the blocks of an axis, and skips those that do not fit.
 fn judge(blocks: &[Block]) -> Result<TorqueFit, String> {
     if blocks.len() < FEWEST_BLOCKS {
         return Err(format!(
@@ -193,26 +196,26 @@ fn judge(blocks: &[Block]) -> Result<TorqueFit, String> {
     })
 }
 
-/// Why this is no gain to be used, if it is none.
+/// Refuses an unusable gain, with the reason.
 fn refuse(found: &Round) -> Result<(), String> {
     let Round { r2, answering, products, .. } = found;
     let (gain, standard_error) = (ratio(products), standard_error(products));
     if products.len() < FEWEST_BLOCKS {
         return Err(format!(
-            "only {} blocks of 2 s fit each other, {FEWEST_BLOCKS} are needed",
+            "only {} blocks of 2 s agree with one gain, {FEWEST_BLOCKS} are needed",
             products.len()
         ));
     }
     if *answering < LEAST_SHARE {
         return Err(format!(
-            "too little excitation: {:.1} % of the torque answer the attitude set-point, {:.0} % are needed",
+            "too little excitation: the attitude set-point predicts {:.1} % of the variance of the torque, {:.0} % are needed",
             100.0 * answering.max(0.0),
             100.0 * LEAST_SHARE
         ));
     }
     if r2.abs() < LEAST_R2 {
         return Err(format!(
-            "the torque explains {:.0} % of the angular acceleration that answers the attitude set-point, {:.0} % are needed",
+            "the torque explains {:.0} % of the angular acceleration that the attitude set-point predicts, {:.0} % are needed",
             100.0 * r2.max(0.0),
             100.0 * LEAST_R2
         ));
@@ -222,17 +225,18 @@ fn refuse(found: &Round) -> Result<(), String> {
             "the body turns against the torque ({gain:.1} rad/s2 per unit): the sign of an axis is wrong"
         ));
     }
-    // So written, what is no number is refused too.
+    // In this form the comparison also refuses NaN.
     if standard_error < LARGEST_ERROR * gain {
         return Ok(());
     }
     Err(format!(
-        "the gain is uncertain: {gain:.1} +- {standard_error:.1} rad/s2 per unit, {:.0} % of it are allowed",
+        "the gain is uncertain: {gain:.1} +- {standard_error:.1} rad/s2 per unit, {:.0} % of the gain are allowed",
         100.0 * LARGEST_ERROR
     ))
 }
 
-/// Per block whether the gain fits it about as well as most, or errs by less than the motion that answers the set-point.
+/// For each block: whether the gain fits it about as well as most blocks, or errs by less than the motion that the set-point
+/// predicts.
 fn fitting(blocks: &[Block], found: &Round) -> Vec<bool> {
     let gain = ratio(&found.products);
     let errors: Vec<f64> = blocks
@@ -249,7 +253,7 @@ fn fitting(blocks: &[Block], found: &Round) -> Vec<bool> {
     errors.iter().zip(answered).map(|(error, answered)| *error <= most + answered).collect()
 }
 
-/// Jackknife over blocks.
+/// Standard error by a jackknife over blocks.
 fn standard_error(products: &[(f64, f64)]) -> f64 {
     let n = products.len() as f64;
     let without: Vec<f64> = (0..products.len())

@@ -1,4 +1,4 @@
-//! An axis in closed loop, of which the gain is known: what disturbs it and what the log adds to the torque hides it from least squares.
+//! An axis in closed loop with a known gain. Disturbances and the noise of the log hide the gain from ordinary least squares.
 
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
@@ -17,23 +17,23 @@ const SECONDS: usize = 60;
 const RATE_GAIN: f64 = 0.05;
 const ATTITUDE_GAIN: f64 = 5.0;
 
-/// What turns the body besides, rad/s².
+/// Constant angular acceleration without torque, rad/s².
 const TRIM: f64 = -3.0;
 
-/// How an axis flies.
+/// How an axis flies and is logged.
 #[derive(Clone, Copy)]
 struct Axis {
-    /// The set-point steps by so much about every 2 s, not in step with what is logged, rad.
+    /// Size of the set-point's steps, rad; they occur about every 2 s, unsynchronised with the log.
     step_rad: f64,
-    /// The logged torque is multiplied by this.
+    /// Factor on the logged torque.
     sign: f64,
-    /// From the first to the second time it touches something and does not turn, s.
+    /// First and last time at which the axis touches something and does not turn, s.
     stuck_s: (f64, f64),
 }
 
 const FREE: Axis = Axis { step_rad: 0.15, sign: 1.0, stuck_s: (0.0, 0.0) };
 
-/// Set-point, logged torque and rate per ms. The same random numbers for every axis.
+/// Set-point, logged torque and rate per ms. All axes use the same random numbers.
 fn flown(axis: Axis) -> Vec<[f64; 3]> {
     let mut random = Pcg64Mcg::seed_from_u64(7);
     let mut noise = move |size: f64| size * random.random_range(-1.0..1.0_f64);
@@ -46,11 +46,11 @@ fn flown(axis: Axis) -> Vec<[f64; 3]> {
             if ms % 1987 == 0 {
                 wanted = noise(axis.step_rad);
             }
-            // Coloured below about 2 Hz, some 2 rad/s²: as fast as the loop itself.
+            // Gusts below about 2 Hz, some 2 rad/s²: as fast as the loop itself.
             gust += -gust * 0.012 + noise(0.5);
             let gyroscope = rate + noise(0.02);
             let stuck = t_s > axis.stuck_s.0 && t_s < axis.stuck_s.1;
-            // It pushes and pulls against what holds it.
+            // The torque pushes and pulls against the obstacle.
             let struggle = if stuck { 0.3 * sin(6.0 * t_s) } else { 0.0 };
             let torque = RATE_GAIN * (ATTITUDE_GAIN * (wanted - angle) - gyroscope) + struggle;
             sent.push(torque);
@@ -60,13 +60,13 @@ fn flown(axis: Axis) -> Vec<[f64; 3]> {
                 rate = 0.0;
             }
             angle += rate * 1e-3;
-            // Logged at 50 Hz of a faster loop: what it does between is folded into what is logged.
+            // The log samples a faster loop at 50 Hz, so the changes between two samples alias.
             [wanted, axis.sign * (torque + noise(0.012)), rate + noise(0.02)]
         })
         .collect()
 }
 
-/// The fit of three axes.
+/// Fits and blocks of three axes.
 fn fitted(axes: [Axis; 3]) -> ([TorqueAxis; 3], [Vec<Block>; 3]) {
     let flown = axes.map(flown);
     let logged = |of: usize, every_ms: usize| {
@@ -110,15 +110,15 @@ fn a_known_gain_in_closed_loop_is_found_within_its_uncertainty_where_least_squar
     let (axes, blocks) = fitted([FREE, stuck, FREE]);
     for (axis, left_out) in [(0, 0), (1, 1)] {
         let fit = gain(&axes[axis]);
-        // Three standard errors: one flight in four hundred is further off.
+        // Three standard errors; one flight in four hundred is farther off.
         assert!((fit.gain - GAIN).abs() < 3.0 * fit.standard_error, "{fit:?}");
         assert!(fit.standard_error < 0.1 * fit.gain, "{fit:?}");
-        // A tick of delay is what the ticks resolve, and the hold of 1 ms is half a step more.
+        // Ticks resolve one tick of delay, and the hold of 1 ms adds half a step.
         assert!((fit.lag_s - LAG_S).abs() < 1.01 * TICK_S, "{fit:?}");
         assert!(fit.blocks_left_out >= left_out, "{fit:?}");
     }
     let fit = gain(&axes[0]);
-    // The mean of the gusts over a minute is some 0.3 rad/s².
+    // The mean of the gusts over a minute is about 0.3 rad/s².
     assert!((fit.trim - TRIM).abs() < 0.6, "{fit:?}");
     let lag = (fit.lag_s / TICK_S).round() as usize;
     let sums = blocks[0].iter().map(|block| block.lags[lag]);

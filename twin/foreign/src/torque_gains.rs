@@ -1,25 +1,25 @@
-//! The gains of normalised torques of a flight, and what is known about the axes.
+//! The gains of the normalised torques of a flight.
 
 use serde::Serialize;
 
 use super::torque_fit::TorqueAxis;
 
-/// Where a normalised torque leads to.
+/// The gains of a flight's normalised torques, and the inertia that converts them to N m.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Torque {
     /// Inertia about the body axes in use, kg m².
     pub inertia_kg_m2: [f64; 3],
-    /// The inertia is unknown: torques are per kg m².
+    /// True if the inertia is unknown; torques are then per kg m².
     pub per_inertia: bool,
-    /// Roll, pitch, yaw.
+    /// Gains about roll, pitch and yaw.
     pub axes: [TorqueAxis; 3],
 }
 
-/// Names of the axes for people: those of the rows.
+/// Names of the axes in sentences: the names of their coordinates.
 const AXES: [&str; 3] = ["phi", "theta", "psi"];
 
 impl Torque {
-    /// About no axis a gain is known.
+    /// Gains that are unknown about every axis, for the reason `why`.
     pub(super) fn unknown(inertia_kg_m2: Option<[f64; 3]>, why: &str) -> Self {
         let axis = || TorqueAxis::Unknown { why: why.to_owned() };
         Self {
@@ -34,7 +34,7 @@ impl Torque {
         std::array::from_fn(|axis| matches!(self.axes[axis], TorqueAxis::Fitted(_)))
     }
 
-    /// Gains, uncertainty and what is missing, for people.
+    /// Gains, uncertainty and unknown axes in words.
     pub fn sentence(&self) -> String {
         if let [TorqueAxis::Unknown { why }, second, third] = &self.axes
             && [second, third].iter().all(|axis| **axis == self.axes[0])

@@ -1,8 +1,8 @@
-//! PX4's own log (`.ulg`), read as the records of an MCAP file would be: schemas, channels, messages.
+//! Reads PX4's own log (`.ulg`) and gives its content as the records of an MCAP file: schemas, channels, messages.
 //!
-//! In: bytes after the magic. Out: as [`super::container::read`]. A topic is called as PX4's bridge to ROS 2 calls it
-//! (`/fmu/out/vehicle_attitude`), its schema `px4_msgs/msg/VehicleAttitude` with the definition of the log, its log time is the
-//! message's own. Own code, because the published readers take a well-formed file for granted.
+//! In: the bytes after the magic. Out: as from [`super::container::read`]. A topic gets the name that PX4's bridge to ROS 2 gives
+//! it (`/fmu/out/vehicle_attitude`). Its schema is `px4_msgs/msg/VehicleAttitude` with the definition from the log. The log time
+//! of a message is its own time. The published readers expect a well-formed file; this module replaces them for that reason.
 
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -14,21 +14,21 @@ use super::findings::{ContainerError, Findings, fill};
 /// First bytes of every log; a version byte follows.
 pub(super) const MAGIC: [u8; 7] = *b"ULog\x01\x12\x35";
 
-/// Version and start time after the magic.
+/// Bytes of version and start time after the magic.
 const HEADER_REST_BYTES: u64 = 9;
 
-/// Size and kind before every message.
+/// Bytes of size and kind before every message.
 const HEAD_BYTES: usize = 3;
 
-/// Encoding of schema and message in the records.
+/// Name of the encoding of schema and message in the records.
 pub(super) const ENCODING: &str = "ulog";
 
-/// Topics that go to the flight controller, and those whose messages are those of another topic.
+/// Topics that go to the flight controller, and topics whose messages have the format of another topic.
 const TO_THE_CONTROLLER: [&str; 3] =
     ["vehicle_visual_odometry", "vehicle_mocap_odometry", "trajectory_setpoint"];
 const OF_ODOMETRY: [&str; 2] = ["vehicle_visual_odometry", "vehicle_mocap_odometry"];
 
-/// Reads a log to its end or to where it breaks.
+/// Reads a log to its end, or to the first byte where it is broken.
 pub(super) fn read(
     input: &mut impl Read,
     on: &mut dyn FnMut(Record<'_>),
@@ -70,11 +70,11 @@ pub(super) fn read(
 #[derive(Default)]
 struct Log {
     findings: Findings,
-    /// Definitions by name, as they stand in the file.
+    /// Definitions by name, as the file has them.
     formats: BTreeMap<String, String>,
-    /// Schemas already given, by name of the definition.
+    /// Numbers of the schemas that were passed on already, by name of the definition.
     schemas: BTreeMap<String, u16>,
-    /// Messages of each channel so far.
+    /// Number of messages of each channel so far.
     sequence: BTreeMap<u16, u32>,
 }
 
@@ -85,7 +85,7 @@ impl Log {
         ));
     }
 
-    /// One message; an error is the end of what can be read.
+    /// Handles one message; an error ends the reading.
     fn take(
         &mut self,
         kind: u8,
@@ -115,7 +115,7 @@ impl Log {
         }
     }
 
-    /// `char[3] sys_name` and its like.
+    /// Reads an information message such as `char[3] sys_name`.
     fn info(&mut self, body: &[u8]) {
         let Some((key, value)) =
             body.split_first().and_then(|(n, rest)| rest.split_at_checked(usize::from(*n)))
@@ -157,7 +157,7 @@ impl Log {
         Ok(())
     }
 
-    /// The definition of `name` and of every type it is made of, each on a line, its own first.
+    /// The definition of `name` and of every type that it contains, one a line, its own first.
     fn definition(&self, name: &str) -> Option<String> {
         self.formats.get(name)?;
         let mut needed = vec![name];
@@ -198,19 +198,19 @@ fn names_type(text: &str, other: &str) -> bool {
     fields.filter_map(|field| field.trim().split([' ', '[']).next()).any(|kind| kind == other)
 }
 
-/// Compatibility flags: unknown incompatible ones mean that the rest cannot be understood.
+/// Checks the compatibility flags. Unknown incompatible flags mean that the rest cannot be understood.
 fn flags(body: &[u8]) -> Result<(), String> {
     let incompatible = body.get(8..16).ok_or("flags too short")?;
-    // Bit 0: data was appended, which reads as the rest does.
+    // Bit 0 says that data was appended; it is read like the rest.
     let unknown = incompatible[0] & !1 != 0 || incompatible[1..].iter().any(|byte| *byte != 0);
     if unknown {
-        Err("the log asks for a newer reader (unknown incompatible flags)".to_owned())
+        Err("the log needs a newer reader (unknown incompatible flags)".to_owned())
     } else {
         Ok(())
     }
 }
 
-/// `/fmu/out/battery_status`; further instances have their number behind.
+/// The topic `/fmu/out/battery_status`; further instances append their number.
 fn topic(name: &str, instance: u8) -> String {
     let way = if TO_THE_CONTROLLER.contains(&name) { "in" } else { "out" };
     match instance {
@@ -219,7 +219,7 @@ fn topic(name: &str, instance: u8) -> String {
     }
 }
 
-/// `px4_msgs/msg/BatteryStatus`.
+/// The schema name `px4_msgs/msg/BatteryStatus`.
 fn schema_name(name: &str) -> String {
     let name = if OF_ODOMETRY.contains(&name) { "vehicle_odometry" } else { name };
     let camel = name.split('_').map(|word| {

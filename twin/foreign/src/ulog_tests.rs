@@ -10,7 +10,7 @@ fn message(kind: u8, body: &[u8]) -> Vec<u8> {
     [&(body.len() as u16).to_le_bytes()[..], &[kind], body].concat()
 }
 
-/// One topic with a nested type and the padding that the logger cuts off at the end; a second instance; a dropout.
+/// A log with one topic that has a nested type and padding, which the logger cuts off at the end; a second instance; a dropout.
 fn log() -> Vec<u8> {
     let data = |id: u16, t_us: u64, value: f32, inner: i16| {
         let body = [

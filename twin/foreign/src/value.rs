@@ -1,17 +1,17 @@
-//! A decoded message of any schema, and paths into it.
+//! A decoded message of any schema, and paths to the values in it.
 
 use std::sync::Arc;
 
-/// A decoded value; every number is f64 (integers beyond 2^53 are rounded).
+/// A decoded value. Every number is f64, so integers beyond 2^53 are rounded.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
-    /// Number or truth value.
+    /// Number or boolean.
     Number(f64),
     /// Text.
     Text(String),
     /// Array of numbers.
     Numbers(Vec<f64>),
-    /// Array of anything else.
+    /// Array of other values.
     List(Vec<Value>),
     /// Fields by name, in the order of the schema.
     Record(Vec<(Arc<str>, Value)>),
@@ -22,19 +22,19 @@ pub enum Value {
 enum Step {
     Field(String),
     Index(usize),
-    /// The element of a list whose field holds a text.
+    /// The element of a list whose field equals a text.
     Where(String, String),
 }
 
-/// A place in a message: `pose.position.x`, `control[3]`, `transforms[child_frame_id=base].transform`.
+/// A path to a value in a message: `pose.position.x`, `control[3]`, `transforms[child_frame_id=base].transform`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Path(Vec<Step>);
 
 impl Path {
-    /// Reads the text form.
+    /// Parses the text form.
     ///
     /// # Errors
-    /// A sentence if the text is no path.
+    /// A sentence that says what was found, if the text is no path.
     pub fn parse(text: &str) -> Result<Self, String> {
         let wrong =
             || format!("found {text:?}, expected a path such as pose.position.x or control[3]");
@@ -70,12 +70,12 @@ impl Value {
         }
     }
 
-    /// The value at `path`; single numbers of an array of numbers are reached by [`Value::number`] alone.
+    /// The value at `path`. Only [`Value::number`] reaches single numbers of an array of numbers.
     pub fn at(&self, path: &Path) -> Option<&Self> {
         self.walk(&path.0)
     }
 
-    /// All texts of an array of texts, or the one text.
+    /// All texts of an array of texts, or a single text.
     pub fn texts(&self) -> Vec<&str> {
         match self {
             Self::Text(text) => vec![text.as_str()],
@@ -84,7 +84,7 @@ impl Value {
         }
     }
 
-    /// All numbers of an array of numbers, or the one number.
+    /// All numbers of an array of numbers, or a single number.
     pub fn numbers(&self) -> Vec<f64> {
         match self {
             Self::Number(value) => vec![*value],
@@ -123,7 +123,7 @@ impl Value {
 }
 
 impl From<serde_json::Value> for Value {
-    /// A JSON message; null is not a number.
+    /// Converts a JSON message; null is not a number.
     fn from(value: serde_json::Value) -> Self {
         match value {
             serde_json::Value::Null => Self::Number(f64::NAN),

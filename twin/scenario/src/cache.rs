@@ -1,7 +1,7 @@
-//! Reports of flights that were made before: a table that was interrupted goes on where it stopped.
+//! A cache of flight reports: a table that was interrupted continues where it stopped.
 //!
-//! A report is found again by everything that decides a flight: the program itself, the scenario with all its keys, the vehicle's
-//! URDF and the bytes of the weights. Nothing else may change it, so nothing stale can be found.
+//! The key of a report is a hash of everything that decides a flight: the program itself, the scenario with all its keys, the
+//! vehicle's URDF and the bytes of the weights. A stale report can therefore never be found.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ use super::collect::sha256_of;
 use super::settings::PredictorKind;
 use super::{Report, Scenario};
 
-/// Reports by the hash of their flight.
+/// Reports of flights, by the hash of the flight.
 #[derive(Clone, Debug)]
 pub struct Cache {
     folder: PathBuf,
@@ -20,10 +20,10 @@ pub struct Cache {
 }
 
 impl Cache {
-    /// In `folder`, which is made; for the program that runs.
+    /// A cache in `folder`, which is created, for the running program.
     ///
     /// # Errors
-    /// If the folder cannot be made or the program cannot read itself.
+    /// An I/O error if the folder cannot be created, or the program cannot read its own file.
     pub fn open(folder: &Path) -> std::io::Result<Self> {
         std::fs::create_dir_all(folder)?;
         let program = sha256_of(&std::env::current_exe()?)
@@ -31,13 +31,13 @@ impl Cache {
         Ok(Self { folder: folder.to_owned(), program })
     }
 
-    /// The report of this flight, if it was made before and can still be read.
+    /// The report of this flight, if the cache has it and can read it.
     pub fn find(&self, scenario: &Scenario) -> Option<Report> {
         let text = std::fs::read_to_string(self.place(scenario)?).ok()?;
         serde_json::from_str(&text).ok()
     }
 
-    /// Keeps the report of this flight; a cache that cannot be written to is no reason to stop.
+    /// Stores the report of this flight. A failure to write is only logged.
     pub fn keep(&self, scenario: &Scenario, report: &Report) {
         let Some((place, text)) = self.place(scenario).zip(serde_json::to_string(report).ok())
         else {
@@ -46,7 +46,7 @@ impl Cache {
         let part = place.with_extension("part");
         let written = std::fs::write(&part, text).and_then(|()| std::fs::rename(&part, &place));
         if let Err(error) = written {
-            tracing::warn!("{}: not kept: {error}", place.display());
+            tracing::warn!("{}: the report is not cached: {error}", place.display());
         }
     }
 
@@ -57,7 +57,7 @@ impl Cache {
         hash.update(toml::to_string(&scenario.settings).ok()?);
         hash.update(scenario.urdf_text().ok()?);
         let predictor = &scenario.settings.predictor;
-        // Weights the program was built with are part of the program.
+        // Weights that are built into the program are part of its hash.
         let trained = matches!(predictor.kind, PredictorKind::Fdt | PredictorKind::Trained);
         if trained && predictor.weights != "default" {
             hash.update(sha256_of(&scenario.folder().join(&predictor.weights)).ok()?);

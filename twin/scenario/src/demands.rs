@@ -1,4 +1,4 @@
-//! What a scenario demands of its flight, as written: whether it can be judged and can fail, and what is watched for.
+//! Validates the demands of a scenario on its flight, and lists the events that the flight must be checked for.
 
 use super::checks::{self, CheckError, EventCheck};
 use super::settings::{ScheduledFailure, Settings};
@@ -6,10 +6,10 @@ use super::{golden, sweep};
 use twin_core::source::Failure;
 use twin_core::tick::EventKind;
 
-/// Refuses demands that could not be judged or could not fail.
+/// Refuses demands that could never be judged or could never fail.
 ///
 /// # Errors
-/// [`CheckError`] with the key of the first one.
+/// [`CheckError`] with the key of the first such demand.
 pub(super) fn validate(settings: &Settings) -> Result<(), CheckError> {
     checks::validate(&settings.checks)?;
     if let Some(sweep) = &settings.sweep {
@@ -41,7 +41,7 @@ fn faults(faults: &[ScheduledFailure]) -> Result<(), CheckError> {
     Ok(())
 }
 
-/// The events that the scenario demands, and that each of its faults came to pass: one that never began proves nothing.
+/// The events that the scenario demands, and the beginning of each of its faults. A fault that never began would prove nothing.
 pub(super) fn events(settings: &Settings) -> Vec<EventCheck> {
     let begins = settings.faults.iter().map(|fault| {
         let text = Some(format!("failure: {}", fault.failure.words()));

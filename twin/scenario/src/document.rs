@@ -1,11 +1,11 @@
-//! A TOML tree that remembers where each value stands.
+//! A TOML tree that stores the place of each value.
 
 use std::collections::BTreeMap;
 
 use toml::de::{DeTable, DeValue};
 use toml::{Spanned, Value};
 
-/// Where a value was written; lines from 1.
+/// The place where a value was written; lines count from 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Place {
     /// A line of the defaults.
@@ -23,7 +23,7 @@ pub(super) struct Entry {
     pub(super) node: Node,
 }
 
-/// A value or what holds values.
+/// A value, or a table or list of values.
 #[derive(Clone, Debug)]
 pub(super) enum Node {
     Table(BTreeMap<String, Entry>),
@@ -36,7 +36,7 @@ pub(super) enum Node {
 }
 
 impl Entry {
-    /// The tree of `text`, or the line and words of the first syntax error.
+    /// The tree of `text`. The error is the line and the message of the first syntax error.
     pub(super) fn parse(text: &str, place: fn(u32) -> Place) -> Result<Self, (u32, String)> {
         let at = |offset: usize| {
             let before = text.as_bytes().iter().take(offset);
@@ -55,14 +55,14 @@ impl Entry {
             .map_err(|(offset, found)| (line(offset), found))
     }
 
-    /// The value in `text`; what is not TOML is text.
+    /// The value in `text`; text that is not TOML becomes a string.
     pub(super) fn parse_value(text: &str, place: Place) -> Self {
         let parsed = DeValue::parse(text).ok();
         let node = parsed.and_then(|value| Node::from_toml(value.get_ref(), 0, &|_| place).ok());
         Entry { place, node: node.unwrap_or_else(|| Node::Text(text.to_owned())) }
     }
 
-    /// `leaf` under tables named `segments`.
+    /// A tree with `leaf` inside tables named `segments`.
     pub(super) fn nested(segments: &[&str], leaf: Entry, place: Place) -> Self {
         segments.iter().rev().fold(leaf, |inner, segment| Entry {
             place,
@@ -76,7 +76,7 @@ impl Entry {
         self.child(first).map_or(self.place, |child| child.place_of(rest))
     }
 
-    /// The values alone.
+    /// The tree without places.
     pub(super) fn to_toml(&self) -> Value {
         match &self.node {
             Node::Table(table) => Value::Table(
@@ -98,7 +98,7 @@ impl Entry {
         }
     }
 
-    /// In a schema: what stands for `key`: itself, `"*"`, or a list's first element.
+    /// The entry of a schema that describes `key`: its own entry, `"*"`, or the first element of a list.
     pub(super) fn pattern(&self, key: &str) -> Option<&Entry> {
         match &self.node {
             Node::Table(table) => table.get(key).or_else(|| table.get("*")),
@@ -113,7 +113,7 @@ impl Node {
         let mut entries = BTreeMap::new();
         for (key, value) in table {
             let node = Node::from_toml(value.get_ref(), value.span().start, at)?;
-            // A table's own span is its header; for values in line the key tells the line.
+            // The span of a table is its header; for an inline table the key gives the line.
             let entry = Entry { place: at(key.span().start), node };
             entries.insert(key.get_ref().clone().into_owned(), entry);
         }
@@ -154,7 +154,7 @@ impl Node {
         }
     }
 
-    /// What stands there, for a message.
+    /// The found value, in words for a message.
     pub(super) fn words(&self) -> String {
         match self {
             Node::Table(_) => "a table".into(),
@@ -167,7 +167,7 @@ impl Node {
         }
     }
 
-    /// What may stand here, for a message.
+    /// The expected kind of value, in words for a message.
     pub(super) fn kind(&self) -> &'static str {
         match self {
             Node::Table(_) => "a table",
@@ -181,7 +181,7 @@ impl Node {
     }
 }
 
-/// `a.b[0].c`.
+/// The path as text: `a.b[0].c`.
 pub(super) fn dotted(path: &[String]) -> String {
     let mut text = String::new();
     for segment in path {

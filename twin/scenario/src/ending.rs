@@ -1,4 +1,4 @@
-//! How a flight may end, in a word.
+//! The ways in which a flight may end.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,13 +6,13 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// The task is done: payload at rest, upright, where it belongs.
+    /// The task is done: the payload rests upright at its place.
     Completed,
     /// The time ran out.
     TimedOut,
-    /// The payload was lost on the way.
+    /// The payload was lost in flight.
     Dropped,
-    /// The payload was put down, but not where or how it should.
+    /// The payload was put down at the wrong place or in the wrong pose.
     Misplaced,
     /// The vehicle hit something or tipped over.
     Crashed,
@@ -25,7 +25,7 @@ pub enum Verdict {
 }
 
 impl std::fmt::Display for Verdict {
-    /// The word of a scenario's `expect.verdict`.
+    /// The name that `expect.verdict` of a scenario uses.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
             Self::Completed => "completed",

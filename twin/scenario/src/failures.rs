@@ -1,4 +1,4 @@
-//! The `[[faults]]` of a scenario: as changes of the world by time, and as a predictor that breaks.
+//! Turns the `[[faults]]` of a scenario into disturbances by time, triggers, and a failing predictor.
 
 use super::BuildError;
 use super::settings::{ScheduledFailure, Settings};
@@ -7,10 +7,10 @@ use twin_core::notation::TICK_S;
 use twin_core::residual::{Failing, Predictor};
 use twin_core::source::{Disturbance, Failure};
 
-/// Changes by time, s, and those that wait for something.
+/// Disturbances by time (s), and triggers that wait for a condition.
 type Changes = (Vec<(f64, Disturbance)>, Vec<Trigger>);
 
-/// Begin and end of every failure.
+/// The begin and the end of every fault.
 pub(super) fn schedule(settings: &Settings) -> Result<Changes, BuildError> {
     let (mut schedule, mut triggers) = (Vec::new(), Vec::new());
     for ScheduledFailure { at_s, duration_s, when, failure } in &settings.faults {
@@ -44,7 +44,7 @@ fn fits(settings: &Settings, failure: &Failure) -> Result<(), BuildError> {
     }
 }
 
-/// `predictor`, broken while the scenario says so.
+/// The predictor, which fails while a fault of the scenario is active.
 pub(super) fn predictor(settings: &Settings, predictor: Box<dyn Predictor>) -> Box<dyn Predictor> {
     let period_s = TICK_S * f64::from(settings.controller.outer_divisor.max(1));
     let call = |t_s: f64| (t_s / period_s).ceil() as u64;

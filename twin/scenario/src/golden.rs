@@ -1,7 +1,7 @@
-//! A stored flight that later flights of the same scenario must repeat within tolerances.
+//! A golden run: a stored flight that later flights of the same scenario must repeat within tolerances.
 //!
-//! In: the `[golden]` of a scenario, its file, then every [`Tick`]. Out: the first divergence, with time, channel and both
-//! values; or, to store it, the flight's own text. State: the flight so far, or the place in the stored one.
+//! In: the `[golden]` of a scenario, the stored file, then every [`Tick`]. Out: the first divergence with time, channel and both
+//! values; or the text of a new golden run. State: the flight so far, or the position in the stored flight.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -13,16 +13,16 @@ use super::checks::{Broken, CheckError, signal, signal_names};
 use twin_core::notation::TICK_S;
 use twin_core::tick::Tick;
 
-/// Which flight is stored, and how near others must come to it.
+/// The golden run of a scenario, and the tolerances of the comparison.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GoldenSettings {
     /// The stored flight (CSV), relative to the scenario file.
     pub file: String,
-    /// Time between its rows, s.
+    /// Time between two lines of the file, s.
     #[serde(default = "tenth")]
     pub every_s: f64,
-    /// Largest difference of each signal that is compared, in its unit.
+    /// Largest allowed difference of each compared signal, in its unit.
     pub tolerance: BTreeMap<String, f64>,
 }
 
@@ -30,7 +30,7 @@ fn tenth() -> f64 {
     0.1
 }
 
-/// Refuses tolerances that compare nothing.
+/// Refuses tolerances that would compare nothing.
 pub(super) fn validate(golden: &GoldenSettings) -> Result<(), CheckError> {
     let unknown = golden.tolerance.keys().find(|name| !signal_names().any(|known| known == *name));
     let reason = match unknown {
@@ -46,26 +46,26 @@ pub(super) fn validate(golden: &GoldenSettings) -> Result<(), CheckError> {
     Err(CheckError { key: "golden.tolerance".to_owned(), reason })
 }
 
-/// The signals of a tick, in the order of the tolerances; NaN if unknown.
+/// The compared signals at a tick, in the order of the tolerances; NaN if unknown.
 fn values(settings: &GoldenSettings, tick: &Tick) -> Vec<f64> {
     let names = settings.tolerance.keys();
     names.map(|name| signal(name, tick).unwrap_or(f64::NAN)).collect()
 }
 
-/// Whether a row belongs to this tick.
+/// Whether the file has a line for this tick.
 fn has_row(settings: &GoldenSettings, tick: &Tick) -> bool {
     let ticks = (settings.every_s / TICK_S).round().max(1.0) as u64;
     (tick.index + 1).is_multiple_of(ticks)
 }
 
-/// Writes down a flight.
+/// Writes a golden run.
 pub struct GoldenWriter {
     settings: GoldenSettings,
     text: String,
 }
 
 impl GoldenWriter {
-    /// For a flight under `settings`.
+    /// A writer for a flight under `settings`.
     pub fn new(settings: &GoldenSettings) -> Self {
         let mut text = "t_s".to_owned();
         for name in settings.tolerance.keys() {
@@ -74,7 +74,7 @@ impl GoldenWriter {
         Self { settings: settings.clone(), text: text + "\n" }
     }
 
-    /// Takes a tick down if it is its turn.
+    /// Adds a tick, if the file has a line for it.
     pub fn add(&mut self, tick: &Tick) {
         if has_row(&self.settings, tick) {
             let _ = write!(self.text, "{:.2}", tick.measurement.t_s);
@@ -85,13 +85,13 @@ impl GoldenWriter {
         }
     }
 
-    /// The flight as text.
+    /// The golden run as text.
     pub fn finish(self) -> String {
         self.text
     }
 }
 
-/// Compares a flight with the stored one.
+/// Compares a flight with its golden run.
 pub(super) struct GoldenCheck {
     settings: GoldenSettings,
     rows: Vec<(f64, Vec<f64>)>,
@@ -101,7 +101,7 @@ pub(super) struct GoldenCheck {
 }
 
 impl GoldenCheck {
-    /// Reads the stored flight of a scenario in `folder`; one that cannot be read is a divergence from the start.
+    /// Reads the golden run of a scenario in `folder`. An unreadable file counts as a divergence from the start.
     pub(super) fn new(settings: &GoldenSettings, folder: &Path) -> Self {
         let (rows, divergence) = match read(settings, &folder.join(&settings.file)) {
             Ok(rows) => (rows, None),
@@ -126,7 +126,7 @@ impl GoldenCheck {
         let tolerances = self.settings.tolerance.iter();
         let parted = tolerances.zip(values(&self.settings, tick)).zip(stored).find(
             |(((_, tolerance), value), stored)| {
-                // NaN in both is the same.
+                // Two NaN values are equal.
                 let apart = (value - **stored).abs();
                 !(apart <= **tolerance || (value.is_nan() && stored.is_nan()))
             },
@@ -137,7 +137,7 @@ impl GoldenCheck {
         });
     }
 
-    /// The first divergence; a flight that ends at another time diverges there.
+    /// The first divergence. A flight that ends at another time diverges at its end.
     pub(super) fn finish(self) -> Option<Broken> {
         if self.divergence.is_some() {
             return self.divergence;
@@ -183,11 +183,10 @@ fn read(settings: &GoldenSettings, path: &Path) -> Result<Vec<(f64, Vec<f64>)>, 
         })
         .collect::<Result<_, String>>()?;
     let row = |(number, line): (usize, &str)| {
-        let cells: Vec<f64> = line
-            .split(',')
-            .map(str::parse)
-            .collect::<Result<_, _>>()
-            .map_err(|_| format!("line {} is no row of numbers: {line:?}", number + 2))?;
+        let cells: Vec<f64> =
+            line.split(',').map(str::parse).collect::<Result<_, _>>().map_err(|_| {
+                format!("line {} does not consist of numbers: {line:?}", number + 2)
+            })?;
         let at = |column: usize| {
             cells.get(column).copied().ok_or(format!("line {} is too short", number + 2))
         };
@@ -195,7 +194,7 @@ fn read(settings: &GoldenSettings, path: &Path) -> Result<Vec<(f64, Vec<f64>)>, 
         Ok::<_, String>((at(0)?, stored))
     };
     let rows = lines.enumerate().map(row).collect::<Result<Vec<_>, _>>()?;
-    if rows.is_empty() { Err("a file without rows".to_owned()) } else { Ok(rows) }
+    if rows.is_empty() { Err("the file has no line of values".to_owned()) } else { Ok(rows) }
 }
 
 #[cfg(test)]
@@ -208,7 +207,7 @@ mod tests {
         GoldenSettings { file: "g.csv".to_owned(), every_s: 0.05, tolerance }
     }
 
-    /// Sixty ticks at 1 m, from number `from` on raised by `by`.
+    /// Sixty ticks at 1 m; from tick `from` on the height is raised by `by`.
     fn flight(ticks: u64, from: u64, by: f64) -> Vec<Tick> {
         (0..ticks)
             .map(|index| {
@@ -251,7 +250,7 @@ mod tests {
     fn the_first_divergence_is_told_with_time_channel_and_both_values() {
         let found = compared("far", &flight(60, 60, 0.0), &flight(60, 31, 0.25), 0.005).unwrap();
         assert_eq!((found.name.as_str(), found.what.as_str()), ("golden", "golden run height_m"));
-        // Ticks 31 on are off; the next row is that of tick 34, at 0.35 s.
+        // The ticks from 31 on differ. The next line is that of tick 34, at 0.35 s.
         assert!((found.at_s - 0.35).abs() < 1e-9, "{found}");
         assert!(found.found == "1.250000" && found.allowed.starts_with("1.000000 ± 0.005"));
     }

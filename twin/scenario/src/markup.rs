@@ -1,6 +1,6 @@
-//! Pages of results that open offline: text made safe for HTML, and the frame and style that every such page has.
+//! HTML pages of results that open offline: escaping of text, and the frame and style of every page.
 
-/// Colours, page, headings and cells; a page adds its own rules.
+/// Colours, page, headings and cells. A page adds its own rules.
 const STYLE: &str = "
 :root{color-scheme:light dark;--ink:light-dark(#182028,#e8ebee);--muted:light-dark(#55616d,#9eabb8);--ground:light-dark(#fff,#0f1318);
 --line:light-dark(#d5dbe1,#2a333e)}
@@ -11,12 +11,12 @@ th,td{padding:4px 10px 4px 0;border-bottom:1px solid var(--line)}th{color:var(--
 svg{max-width:100%;height:auto;border-radius:6px}
 ";
 
-/// `text` as it may stand in HTML, between elements and in a quoted attribute.
+/// `text` escaped for HTML, for use between elements and in quoted attributes.
 pub fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// A page: `title` is plain text, `style` holds rules beyond those of every page, `body` is markup.
+/// A page: `title` is plain text, `style` contains additional CSS rules, `body` is markup.
 pub fn page(title: &str, style: &str, body: &str) -> String {
     format!(
         "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\">\

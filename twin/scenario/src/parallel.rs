@@ -1,9 +1,9 @@
-//! Work side by side: as many at a time as asked for, results in the order of the work.
+//! Runs work in parallel threads and returns the results in the order of the work.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 
-/// `work` on every item on `threads` threads. The results are in the order of the items, whatever the number of threads.
+/// Applies `work` to every item on `threads` threads. The results have the order of the items, whatever the number of threads.
 pub fn side_by_side<T: Sync, R: Send>(
     items: &[T],
     threads: usize,

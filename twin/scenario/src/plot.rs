@@ -1,4 +1,4 @@
-//! What pictures drawn as SVG have in common: ground, colours, mesh of the axes, legend, span of an axis.
+//! Elements that all SVG pictures share: ground, colours, mesh of the axes, legend, range of an axis.
 
 use std::ops::Range;
 
@@ -7,7 +7,7 @@ use plotters::coord::ranged1d::Ranged;
 use plotters::coord::{CoordTranslate, Shift};
 use plotters::prelude::*;
 
-/// Why a picture cannot be drawn, in the words of plotters.
+/// The error of plotters that prevents a picture.
 pub type DrawingError = Box<dyn std::error::Error>;
 
 /// A picture, or a part of one.
@@ -35,17 +35,17 @@ pub const COLOURS: [RGBColor; 6] = [
     RGBColor(86, 180, 233),
 ];
 
-/// A white picture of `size_px` whose SVG is in `text` once it is presented and dropped.
+/// A white picture of `size_px`. `text` contains the SVG after the picture was presented and dropped.
 ///
 /// # Errors
-/// [`DrawingError`] of plotters.
+/// [`DrawingError`] if plotters fails.
 pub fn ground(text: &mut String, size_px: (u32, u32)) -> Result<Area<'_>, DrawingError> {
     let area = SVGBackend::with_string(text, size_px).into_drawing_area();
     area.fill(&WHITE)?;
     Ok(area)
 }
 
-/// The axes are called `names` and have main lines only; their labels and names have `sizes_px`.
+/// Configures the mesh of two axes called `names` with main lines only; `sizes_px` are the sizes of labels and names, px.
 pub fn plain<'m, 'a, 'b, 'text, X: Ranged, Y: Ranged>(
     mesh: &'m mut MeshStyle<'a, 'b, X, Y, SVGBackend<'text>>,
     names: [&str; 2],
@@ -61,7 +61,7 @@ pub fn plain<'m, 'a, 'b, 'text, X: Ranged, Y: Ranged>(
 /// Draws the legend of the labelled series into the upper right corner of `chart`.
 ///
 /// # Errors
-/// [`DrawingError`] of plotters.
+/// [`DrawingError`] if plotters fails.
 pub fn legend<'a, 'text: 'a, Coordinates: CoordTranslate>(
     chart: &mut ChartContext<'a, SVGBackend<'text>, Coordinates>,
 ) -> Result<(), DrawingError> {
@@ -75,13 +75,13 @@ pub fn legend<'a, 'text: 'a, Coordinates: CoordTranslate>(
     Ok(())
 }
 
-/// A curve's piece of line in a legend, from the pixel `(x, y)` to the right.
+/// The symbol of a curve in a legend: a short line from the pixel `(x, y)` to the right.
 pub fn key((x, y): (i32, i32), style: impl Into<ShapeStyle>) -> PathElement<(i32, i32)> {
     PathElement::new([(x, y), (x + 18, y)], style)
 }
 
-/// From the smallest to the largest finite value, and beyond by these parts of the range below and above; the range counts as
-/// at least `least`, so that a constant is seen.
+/// The range from the smallest to the largest finite value, extended below and above by these shares of the range. A range below
+/// `least` counts as `least`, so that a constant is visible.
 pub fn span(values: impl Iterator<Item = f64>, least: f64, [below, above]: [f64; 2]) -> Range<f64> {
     let (low, high) = values
         .filter(|v| v.is_finite())

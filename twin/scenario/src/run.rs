@@ -1,4 +1,4 @@
-//! One flight to its end, headless.
+//! Flies one scenario to its end without a viewer.
 
 use std::collections::BTreeMap;
 
@@ -12,45 +12,45 @@ use super::{BuildError, Judge, Scenario, Verdict, demands};
 use twin_core::residual::PredictorInfo;
 use twin_core::tick::{Event, Tick};
 
-/// What a flight came to.
+/// The result of a flight.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Report {
-    /// Scenario.
+    /// Name of the scenario.
     pub scenario: String,
     /// Seed.
     pub seed: u64,
-    /// How it ended.
+    /// The verdict on the flight.
     pub verdict: Verdict,
-    /// Why, in a sentence.
+    /// The reason of the verdict, in a sentence.
     pub reason: String,
     /// Simulated duration, s.
     pub flight_s: f64,
-    /// Simulated time per wall-clock time; filled in by whoever holds a clock.
+    /// Simulated time per wall-clock time; a caller with a clock fills it in.
     pub real_time_factor: Option<f64>,
-    /// Equal for equal flights.
+    /// Hash of the state, equal for equal flights.
     pub state_hash: String,
-    /// Arithmetic of the predictor's network: flights are equal only where this is equal too.
+    /// Arithmetic of the predictor's network. Two flights are equal only if this is equal too.
     #[serde(default)]
     pub kernel: String,
-    /// Metrics by name; NaN, `null` in JSON, if unknown.
+    /// Metrics by name; an unknown metric is NaN, and `null` in JSON.
     #[serde(deserialize_with = "numbers")]
     pub metrics: BTreeMap<String, f64>,
-    /// What the scenario demands and the flight did not keep.
+    /// The demands of the scenario that the flight did not meet.
     pub broken: Vec<Broken>,
-    /// Nothing is broken; or, where the scenario declares what fails, that is broken.
+    /// True if no demand is broken; if the scenario declares a failure, true if that demand is broken.
     pub passed: bool,
 }
 
-/// JSON has no NaN: what is not finite was written as `null`.
+/// Reads numbers in which `null` stands for NaN, because JSON has no NaN.
 fn numbers<'de, D: serde::Deserializer<'de>>(from: D) -> Result<BTreeMap<String, f64>, D::Error> {
     let read = BTreeMap::<String, Option<f64>>::deserialize(from)?;
     Ok(read.into_iter().map(|(name, value)| (name, value.unwrap_or(f64::NAN))).collect())
 }
 
-/// Flies `scenario` to its end; `watch` sees every tick.
+/// Flies `scenario` to its end; `watch` receives every tick.
 ///
 /// # Errors
-/// [`BuildError`] if the flight cannot be put together.
+/// [`BuildError`] if the flight cannot be assembled.
 pub fn fly(scenario: &Scenario, watch: &mut dyn FnMut(&Tick)) -> Result<Report, BuildError> {
     let mut flight = scenario.build()?;
     let mut assessor = Assessor::new(scenario);
@@ -65,7 +65,7 @@ pub fn fly(scenario: &Scenario, watch: &mut dyn FnMut(&Tick)) -> Result<Report, 
     }
 }
 
-/// Watches a flight tick by tick and says at its end what it came to.
+/// Assesses a flight tick by tick and reports the result at its end.
 pub struct Assessor {
     scenario: String,
     settings: Settings,
@@ -77,7 +77,7 @@ pub struct Assessor {
 }
 
 impl Assessor {
-    /// For a flight of `scenario`.
+    /// An assessor for a flight of `scenario`.
     pub fn new(scenario: &Scenario) -> Self {
         let settings = scenario.settings.clone();
         Self {
@@ -94,7 +94,7 @@ impl Assessor {
         }
     }
 
-    /// Takes a tick into account; the verdict with its sentence once the flight is over.
+    /// Adds a tick; returns the verdict and its sentence once the flight is over.
     pub fn add(&mut self, tick: &Tick) -> Option<(Verdict, String)> {
         self.metrics.add(tick);
         self.checks.add(tick);
@@ -105,7 +105,7 @@ impl Assessor {
         self.judge.watch(tick)
     }
 
-    /// The report of a flight that ended so, with its state hash.
+    /// The report of a flight that ended with this verdict and sentence; `hash` is its state hash.
     pub fn finish(self, (verdict, reason): (Verdict, String), hash: u64) -> Report {
         let Self { scenario, settings, metrics, checks, golden, flight_s, .. } = self;
         let places = settings.task.kind == TaskKind::PickPlace;
@@ -115,7 +115,7 @@ impl Assessor {
         broken.extend(checks.finish());
         broken.extend(golden.and_then(GoldenCheck::finish));
         broken.extend(broken_bounds(&settings, &metrics, flight_s));
-        // What broke first is more of a cause than what came of it.
+        // The demand that broke first is closest to the cause.
         broken.sort_by(|one, other| one.at_s.total_cmp(&other.at_s));
         let passed = match &settings.expect.fails {
             None => broken.is_empty(),
@@ -148,7 +148,7 @@ fn unexpected(expected: Verdict, found: Verdict, reason: &str, at_s: f64) -> Opt
     })
 }
 
-/// Metrics are known when the flight is over, so that is when their bounds break.
+/// Checks the bounds on metrics. Metrics are known only at the end of the flight, so the bounds break then.
 fn broken_bounds(
     settings: &Settings,
     metrics: &BTreeMap<String, f64>,
@@ -167,7 +167,7 @@ fn broken_bounds(
                 what: format!("bounds.{name}"),
                 value,
                 found: value.map_or_else(
-                    || format!("no such metric of this flight, it has {}", known()),
+                    || format!("the flight has no such metric, it has {}", known()),
                     |value| format!("{value:.4}"),
                 ),
                 allowed: range(bound.min, bound.max),

@@ -1,4 +1,5 @@
-//! What the viewers draw: shapes of vehicle, arena and payload, parsed once, in the order of [`twin_core::tick::Truth::poses`].
+//! The scene for the viewers: shapes of vehicle, arena and payload, parsed once, in the order of
+//! [`twin_core::tick::Truth::poses`].
 
 use nalgebra::Isometry3;
 use serde::{Deserialize, Serialize};
@@ -11,16 +12,16 @@ use twin_record::scene::{Scene, SceneBody, SceneGroup, SceneRotor};
 /// Colour of the payload cube.
 const PAYLOAD_RGBA: [f32; 4] = [0.90, 0.62, 0.0, 1.0];
 
-/// What the actuators of a vehicle can do.
+/// Limits of a vehicle's actuators.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ActuatorLimits {
     /// Smallest and largest thrust of a rotor, N.
     pub rotor_thrust_n: [f64; 2],
-    /// Largest torque of the arm's joints, N m; `None` without a limit or a joint.
+    /// Largest torque of each joint of the arm, N m; `None` if the joint has no limit or does not exist.
     pub joint_torque_n_m: [Option<f64>; 2],
 }
 
-/// The limits of a scenario's vehicle: rotors from the scenario, joints from the URDF.
+/// The actuator limits of a scenario's vehicle: rotor limits from the scenario, joint limits from the URDF.
 pub(super) fn actuator_limits(scenario: &Scenario) -> Result<ActuatorLimits, BuildError> {
     let vehicle = &scenario.settings.vehicle;
     let robot = assemble::models(scenario)?.robot;
@@ -35,7 +36,7 @@ pub(super) fn actuator_limits(scenario: &Scenario) -> Result<ActuatorLimits, Bui
     })
 }
 
-/// Builds the scene of a scenario.
+/// The scene of a scenario.
 pub(super) fn scene(scenario: &Scenario) -> Result<Scene, BuildError> {
     let settings = &scenario.settings;
     let models = assemble::models(scenario)?;

@@ -1,6 +1,6 @@
-//! The `[sweep]` of a scenario: which keys vary over which ranges, and the samples that come of it.
+//! The `[sweep]` of a scenario: the keys that vary, their ranges, and the samples.
 //!
-//! In: the settings. Out: for every sample the values of its keys, the same whenever and wherever they are asked for.
+//! In: the settings. Out: for every sample the values of its keys. The same settings give the same samples on every machine.
 
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
@@ -9,27 +9,27 @@ use serde::{Deserialize, Serialize};
 
 use super::checks::CheckError;
 
-/// Most samples of a sweep.
+/// Largest number of samples of a sweep.
 const MOST_SAMPLES: usize = 100_000;
 
-/// A scenario flown many times, each time with other values of some keys.
+/// A sweep: many flights of a scenario, each with other values of some keys.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sweep {
     /// How the samples fill the ranges.
     #[serde(default)]
     pub method: Method,
-    /// How many; with `grid` the product of the steps, and not to be given.
+    /// Number of samples; a `grid` takes the product of its steps instead and must not have it.
     pub samples: Option<usize>,
-    /// Seed of the samples' places.
+    /// Seed of the random samples.
     #[serde(default)]
     pub seed: u64,
     /// Share of the samples that must succeed.
     pub min_success: f64,
-    /// The lower end of the 95 % interval must reach it, not only the share itself.
+    /// True if the lower end of the 95 % interval must reach that share, not only the share itself.
     #[serde(default)]
     pub confident: bool,
-    /// What varies.
+    /// The keys that vary, with their ranges.
     pub ranges: Vec<Range>,
 }
 
@@ -37,26 +37,26 @@ pub struct Sweep {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
-    /// Every combination of the steps.
+    /// Every combination of the steps of all ranges.
     Grid,
-    /// As many strata of every range as there are samples, each met once.
+    /// A Latin hypercube: every range has as many strata as there are samples, and each stratum has one sample.
     #[default]
     LatinHypercube,
 }
 
-/// A key and the values it takes: a list, or a stretch.
+/// A key and its values: a list, or an interval.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Range {
-    /// Dotted key; an index picks one of a list (`wind.velocity_m_s.0`).
+    /// Dotted key; a number is an index in a list (`wind.velocity_m_s.0`).
     pub key: String,
     /// Smallest value.
     pub from: Option<f64>,
     /// Largest value.
     pub to: Option<f64>,
-    /// How many values of the stretch a grid takes, both ends among them.
+    /// Number of values that a grid takes from the interval, both ends included.
     pub steps: Option<usize>,
-    /// The values themselves.
+    /// The list of values.
     pub values: Option<Vec<f64>>,
 }
 
@@ -64,7 +64,7 @@ pub struct Range {
 pub type Values = Vec<f64>;
 
 impl Range {
-    /// The value at `part`, `0..1`, of the range.
+    /// The value at the position `part`, `0..1`, of the range.
     fn at(&self, part: f64) -> f64 {
         match (&self.values, self.from, self.to) {
             (Some(values), ..) => {
@@ -93,7 +93,7 @@ impl Range {
 }
 
 impl Sweep {
-    /// How many samples there are.
+    /// Number of samples.
     pub fn count(&self) -> usize {
         match self.method {
             Method::Grid => self
@@ -106,8 +106,8 @@ impl Sweep {
         }
     }
 
-    /// The samples of these `settings`. Values are rounded to six digits, those of `whole` keys to whole numbers, so that a
-    /// sample can be flown again from its text.
+    /// The samples of the sweep in these `settings`. Values are rounded to six decimal places, and to whole numbers where the
+    /// scenario has a whole number. A flight can therefore be repeated from the text of its sample.
     pub fn samples(&self, settings: &impl Serialize) -> Vec<Values> {
         let tree = toml::Value::try_from(settings).ok();
         let whole: Vec<bool> = self
@@ -143,7 +143,7 @@ impl Sweep {
         samples
     }
 
-    /// Source: `McKay`, Beckman and Conover, 1979.
+    /// Draws a Latin hypercube. Source: `McKay`, Beckman and Conover, 1979.
     fn latin_hypercube(&self) -> Vec<Values> {
         let mut rng = Pcg64::seed_from_u64(self.seed);
         let count = self.count();
@@ -163,7 +163,7 @@ impl Sweep {
     }
 }
 
-/// The value that stands at a dotted key.
+/// The value at a dotted key.
 fn value_at<'a>(tree: Option<&'a toml::Value>, key: &str) -> Option<&'a toml::Value> {
     key.split('.').try_fold(tree?, |value, segment| match value {
         toml::Value::Table(table) => table.get(segment),
@@ -172,7 +172,7 @@ fn value_at<'a>(tree: Option<&'a toml::Value>, key: &str) -> Option<&'a toml::Va
     })
 }
 
-/// Whether the sweep of these `settings` can be flown and can fail.
+/// Checks whether the sweep of these `settings` can be flown and can fail.
 pub(super) fn validate(sweep: &Sweep, settings: &impl Serialize) -> Result<(), CheckError> {
     let refuse = |key: String, reason: &str| Err(CheckError { key, reason: reason.to_owned() });
     if !(sweep.min_success > 0.0 && sweep.min_success <= 1.0) {
@@ -182,7 +182,7 @@ pub(super) fn validate(sweep: &Sweep, settings: &impl Serialize) -> Result<(), C
         );
     }
     if sweep.ranges.is_empty() {
-        return refuse("sweep.ranges".into(), "none is given, so there is nothing to vary");
+        return refuse("sweep.ranges".into(), "no range is given, so no key varies");
     }
     if sweep.method == Method::Grid && sweep.samples.is_some() {
         return refuse("sweep.samples".into(), "a grid has as many samples as its steps make");

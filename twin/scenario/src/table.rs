@@ -1,4 +1,4 @@
-//! Many flights side by side: scenarios × presets × seeds over all cores, and the tracking table they make.
+//! Flies scenarios × presets × seeds in parallel and makes the tracking table.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -9,10 +9,10 @@ use super::cache::Cache;
 use super::{Report, Scenario, ScenarioError, Verdict, run, side_by_side};
 use twin_core::elementary::squared;
 
-/// One flight to make.
+/// One flight of the table.
 #[derive(Clone, Debug)]
 pub struct Job {
-    /// Label of its row.
+    /// Label of its line.
     pub row: String,
     /// Scenario file.
     pub file: PathBuf,
@@ -20,16 +20,16 @@ pub struct Job {
     pub overrides: Vec<String>,
 }
 
-/// What became of a job.
+/// The outcome of a job.
 #[derive(Clone, Debug)]
 pub struct Outcome {
-    /// Label of its row.
+    /// Label of its line.
     pub row: String,
-    /// Its report, or why it could not be flown.
+    /// Its report, or the reason why it could not be flown.
     pub result: Result<Report, String>,
 }
 
-/// Flies all jobs on `threads` threads; `done` is called as each ends. The outcome is in the order of the jobs, whatever the
+/// Flies all jobs on `threads` threads; `done` is called as each ends. The outcomes have the order of the jobs, whatever the
 /// number of threads.
 pub fn fly_all(
     jobs: &[Job],
@@ -57,22 +57,22 @@ fn fly_job(job: &Job, cache: Option<&Cache>) -> Result<Report, String> {
     Ok(report)
 }
 
-/// One line of the tracking table: all seeds of one scenario under one preset.
+/// One line of the tracking table: all seeds of one scenario with one preset.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Line {
-    /// Preset or other label.
+    /// Name of the preset, or another label.
     pub row: String,
-    /// Scenario.
+    /// Name of the scenario.
     pub scenario: String,
-    /// Flights made.
+    /// Number of flights.
     pub flights: usize,
-    /// Flights that completed.
+    /// Number of flights that completed.
     pub completed: usize,
-    /// How the others ended: verdict and how often.
+    /// Number of flights by verdict, for the other verdicts.
     pub other_verdicts: BTreeMap<String, usize>,
-    /// Means, medians and extremes by name.
+    /// Means, medians and extremes of metrics, by name.
     pub values: BTreeMap<String, f64>,
-    /// The paper's figure for this column: of this method, or of FDT+LRA where it has none.
+    /// The paper's value for this scenario and method; the value of FDT+LRA if the paper does not have the method.
     pub paper_rms_error_e8: Option<f64>,
 }
 
@@ -88,7 +88,7 @@ pub const COLUMNS: [&str; 8] = [
     "b_500g_fast",
 ];
 
-/// `tab:tracking_results` of the paper: row and its eight figures.
+/// `tab:tracking_results` of the paper: the method of each line and its eight values.
 pub const PAPER: [(&str, [f64; 8]); 8] = [
     ("l1", [1.222, 1.560, 1.711, 2.223, 0.981, 1.202, 1.293, 1.617]),
     ("gp", [0.752, 0.960, 1.053, 1.368, 0.604, 0.740, 0.796, 0.995]),
@@ -100,10 +100,10 @@ pub const PAPER: [(&str, [f64; 8]); 8] = [
     (FULL, [0.215, 0.275, 0.301, 0.391, 0.173, 0.212, 0.228, 0.285]),
 ];
 
-/// The paper's own method: what a row that is not of the paper is compared with.
+/// The paper's own method, for comparison with methods that the paper does not have.
 const FULL: &str = "fdt_lra";
 
-/// The paper's figure for a row (`method/preset`) and a scenario.
+/// The paper's value for a label (`method/preset`) and a scenario.
 fn paper(row: &str, scenario: &str) -> Option<f64> {
     let method = row.split('/').next().unwrap_or(row);
     let of = |name: &str| PAPER.iter().find(|(row, _)| *row == name);
@@ -111,7 +111,7 @@ fn paper(row: &str, scenario: &str) -> Option<f64> {
     of(method).or_else(|| of(FULL)).map(|(_, figures)| figures[column])
 }
 
-/// Condenses outcomes to lines, in order of first appearance. Outcomes without a report are left out.
+/// Condenses outcomes to lines, in order of first appearance. Outcomes without a report are skipped.
 pub fn condense(outcomes: &[Outcome]) -> Vec<Line> {
     let mut keys: Vec<(String, String)> = Vec::new();
     let mut groups: BTreeMap<(String, String), Vec<&Report>> = BTreeMap::new();
@@ -186,7 +186,7 @@ fn mean(values: &[f64]) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
-/// Standard deviation of a sample; zero for a single value.
+/// Standard deviation of a sample; zero if it has a single value.
 fn deviation(values: &[f64]) -> Option<f64> {
     let mean = mean(values)?;
     let squares: f64 = values.iter().map(|value| squared(value - mean)).sum();

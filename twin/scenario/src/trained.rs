@@ -1,4 +1,4 @@
-//! Trained weights of a scenario: which file, whether they belong to this flight, and whether they may fly.
+//! The trained weights of a scenario: reads their file, and checks that they belong to this flight and may fly.
 
 use std::path::Path;
 
@@ -11,13 +11,14 @@ use twin_core::residual::weights::{Head, SHIPPED, Weights};
 use twin_core::residual::{Predictor, trained};
 use twin_core::tuning::Tuning;
 
-/// The word for the weights the program was built with.
+/// The name of the weights that are built into the program.
 const DEFAULT: &str = "default";
 
-/// From this width on a network reads more weights than a core's cache holds, and `auto` rounds them to half the memory.
+/// Width from which on the weights of a network exceed the cache of a core; `auto` then rounds them to bf16, which halves their
+/// size.
 const WIDE: usize = 256;
 
-/// The trained predictor that a scenario names: the FDT, or with `trained` any model.
+/// The trained predictor of a scenario: the FDT, or with `trained` any model.
 pub(super) fn predictor(
     scenario: &Scenario,
     tuning: &Tuning,
@@ -42,7 +43,7 @@ pub(super) fn predictor(
     Ok(trained.predictor)
 }
 
-/// The weights called `name`, a path relative to `folder` or [`DEFAULT`].
+/// Reads the weights called `name`: a path relative to `folder`, or [`DEFAULT`].
 fn read(folder: &Path, name: &str) -> Result<Weights, BuildError> {
     let unusable = |error| BuildError::Weights { file: name.to_owned(), error };
     if name != DEFAULT {
@@ -56,7 +57,7 @@ fn read(folder: &Path, name: &str) -> Result<Weights, BuildError> {
     Weights::from_bytes(SHIPPED).map_err(unusable)
 }
 
-/// A vehicle with fewer joints has no readings for the channels of the others.
+/// Refuses weights with channels of joints that the vehicle does not have.
 fn fits_vehicle(head: &Head, joints: usize) -> Result<(), BuildError> {
     let absent = &ROWS[(6 + joints).min(ROWS.len())..];
     let seen = head.channel_names.iter().find(|name| {
@@ -67,14 +68,14 @@ fn fits_vehicle(head: &Head, joints: usize) -> Result<(), BuildError> {
         Some(name) => Err(BuildError::Unfit {
             key: "predictor.weights",
             reason: format!(
-                "the weights look at {name:?}, this vehicle's arm has {joints} joints; train on this vehicle"
+                "the weights need the channel {name:?}, but this vehicle's arm has {joints} joints; train on this vehicle"
             ),
         }),
         None => Ok(()),
     }
 }
 
-/// Open-loop figures hide a limit cycle, so weights fly only after they flew.
+/// Refuses weights that have not passed a closed-loop flight, because open-loop scores do not reveal a limit cycle.
 fn accepted(head: &Head, name: &str) -> Result<(), BuildError> {
     let figures = &head.acceptance;
     if figures.passed() {
@@ -83,13 +84,13 @@ fn accepted(head: &Head, name: &str) -> Result<(), BuildError> {
     Err(BuildError::Unfit {
         key: "predictor.weights",
         reason: format!(
-            "{name} is not accepted: {figures}; needed is above {}; measure with `twin evaluate acceptance`, or fly it all the same with --force-weights (predictor.force = true)",
+            "{name} is not accepted: {figures}; it must be above {}; measure with `twin evaluate acceptance`, or fly it anyway with --force-weights (predictor.force = true)",
             twin_core::residual::weights::Acceptance::LEAST_R2
         ),
     })
 }
 
-/// The arithmetic called `name`, for a network of width `d_model`.
+/// The arithmetic called `name` for a network of width `d_model`.
 fn arithmetic(name: &str, d_model: usize) -> Result<(Kernel, Precision), BuildError> {
     if name == "auto" {
         let precision = if d_model >= WIDE { Precision::Bf16 } else { Precision::F32 };
@@ -104,7 +105,7 @@ fn arithmetic(name: &str, d_model: usize) -> Result<(Kernel, Precision), BuildEr
         BuildError::Unfit {
             key: "predictor.kernel",
             reason: format!(
-                "found {name:?}, this processor has auto, {}, each also with _bf16",
+                "found {name:?}, this processor supports auto, {}, each also with _bf16",
                 names.join(", ")
             ),
         }

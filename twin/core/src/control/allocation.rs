@@ -1,15 +1,15 @@
-//! Thrust of each rotor from collective thrust and body moment; yaw is the first to be given up.
+//! Allocation: thrust of each rotor from the collective thrust and the body moment. If the demand does not fit, yaw yields first.
 
 use nalgebra::{DMatrix, Vector3};
 
 use crate::notation::{MAX_ROTORS, PerRotor};
 
-/// What allocation knows of one rotor.
+/// The rotor data that the allocation needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rotor {
     /// Position in the body frame, m.
     pub position_in_body: Vector3<f64>,
-    /// Reaction torque about body z per thrust, signed, m.
+    /// Signed reaction torque about body z per thrust, m.
     pub torque_per_thrust_m: f64,
 }
 
@@ -23,7 +23,7 @@ pub struct Allocation {
 }
 
 impl Allocation {
-    /// For rotors that all push along body z. Rotors beyond [`MAX_ROTORS`] are ignored.
+    /// An allocation for rotors that push along body z, with thrust limits in N. Rotors beyond [`MAX_ROTORS`] are ignored.
     pub fn new(rotors: &[Rotor], min_n: f64, max_n: f64) -> Self {
         let n = rotors.len().min(MAX_ROTORS);
         let mixing = DMatrix::from_fn(4, n, |row, i| {
@@ -34,8 +34,8 @@ impl Allocation {
         Self { n, inverse, min_n, max_n }
     }
 
-    /// Rotor thrusts for a collective thrust and a body moment. The second value is true if the demand did not fit: roll and
-    /// pitch keep their share as long as they can, the collective moves to make room, yaw takes what is left.
+    /// Rotor thrusts (N) for a collective thrust and a body moment. The second value is true if the demand did not fit. Roll and
+    /// pitch then keep their moment as long as possible, the collective thrust moves to make room, and yaw gets the rest.
     pub fn allocate(&self, thrust_n: f64, moment_n_m: &Vector3<f64>) -> (PerRotor, bool) {
         let column = |axis: usize, value: f64| self.inverse.column(axis) * value;
         let tilt = column(1, moment_n_m.x) + column(2, moment_n_m.y);
@@ -61,7 +61,7 @@ impl Allocation {
         (out, given_up)
     }
 
-    /// Largest factor in 0..=1 by which `extra` can be added to `base` within the limits.
+    /// Largest factor in 0..=1 with which `extra` can be added to `base` within the limits.
     fn largest_fit(&self, base: &[f64], extra: &[f64]) -> f64 {
         base.iter().zip(extra).fold(1.0_f64, |factor, (b, e)| {
             let room = if *e > 0.0 { self.max_n - b } else { b - self.min_n };
@@ -87,7 +87,7 @@ mod tests {
             .to_vec()
     }
 
-    /// Wrench made by rotor thrusts, straight from the geometry.
+    /// Collective thrust and moment of the rotor thrusts, computed directly from the geometry.
     fn wrench(thrust: &PerRotor) -> (f64, Vector3<f64>) {
         rotors().iter().zip(thrust).fold((0.0, Vector3::zeros()), |(total, moment), (rotor, f)| {
             let arm = rotor.position_in_body.cross(&Vector3::new(0.0, 0.0, *f));

@@ -1,7 +1,7 @@
-//! A multisine on top of what another law commands: flights from which a residual can be learned.
+//! Adds a multisine to the output of another control law, so that a residual can be learned from the flight.
 //!
-//! In: the set-point of the law within. Out: the same with a sum of sines on forces, moments and joint torques. State: time since
-//! the first tick. Source: control study, section 6: smooth flights alone teach a predictor to copy `tau_{t-1}`.
+//! In: the set-point of the other law. Out: that set-point with a sum of sines on forces, moments and joint torques. State: time
+//! since the first tick. Source: control study, section 6: from smooth flights alone a predictor learns to copy `tau_{t-1}`.
 
 use std::f64::consts::{PI, TAU};
 
@@ -13,23 +13,23 @@ use crate::elementary::{powf, sin};
 use crate::notation::{Coords, N};
 use crate::tick::{ControlState, Setpoint};
 
-/// Time over which the excitation grows from nothing, s: a grasp that is just beginning is not shaken.
+/// Time in which the excitation grows from zero, s, so that it does not disturb a grasp at the start.
 const GROW_S: f64 = 2.0;
 
-/// Keeps these draws apart from others of the same seed.
+/// Makes these random draws independent of other draws from the same seed.
 const STREAM: u64 = 0x0e8c_17ed;
 
-/// A sum of sines per row.
+/// A sum of sines for each coordinate.
 #[derive(Clone, Debug)]
 pub struct Multisine {
-    /// Per row and tone: amplitude in N or N m, frequency in rad/s, phase in rad.
+    /// Per coordinate and tone: amplitude in N or N m, frequency in rad/s, phase in rad.
     tones: [Vec<(f64, f64, f64)>; N],
 }
 
 impl Multisine {
-    /// `tones` sines per row, their frequencies log-spaced over `force_hz` for x y z and over `moment_hz` for the other rows, Hz,
-    /// equal in amplitude, together of root mean square `rms` (N and N m). Frequencies lie up to 3 % beside their grid, and phases
-    /// are random: both from `seed`, so that rows are uncorrelated.
+    /// A multisine with `tones` sines per coordinate. The frequencies are log-spaced over `force_hz` for x y z and over
+    /// `moment_hz` for the other coordinates, Hz. The amplitudes of a coordinate are equal and give the root mean square `rms` (N
+    /// and N m). `seed` shifts each frequency by up to 3 % and draws the phases, so that the coordinates are uncorrelated.
     pub fn new(
         tones: usize,
         force_hz: [f64; 2],
@@ -53,7 +53,7 @@ impl Multisine {
         Self { tones }
     }
 
-    /// Forces and moments at `t_s` from the start, N and N m.
+    /// Forces and moments at `t_s` seconds after the start, N and N m.
     pub fn at(&self, t_s: f64) -> Coords {
         let grown = (t_s / GROW_S).clamp(0.0, 1.0);
         Coords::from_fn(|row, _| {
@@ -63,7 +63,7 @@ impl Multisine {
     }
 }
 
-/// A law and the excitation on its output.
+/// A control law with an excitation on its output.
 pub struct Excited {
     law: Box<dyn Controller>,
     multisine: Multisine,
@@ -71,7 +71,7 @@ pub struct Excited {
 }
 
 impl Excited {
-    /// `law` with `multisine` added to its forces, moments and joint torques.
+    /// A controller that adds `multisine` to the forces, moments and joint torques of `law`.
     pub fn new(law: Box<dyn Controller>, multisine: Multisine) -> Self {
         Self { law, multisine, t_s: 0.0 }
     }
@@ -85,7 +85,8 @@ impl Controller for Excited {
         for axis in 0..3 {
             setpoint.force_in_world_n[axis] += extra[axis];
         }
-        // Moments and joint torques ride where the residual rides: both laws of the inner rows add it as it is.
+        // The excitation of moments and joint torques is added to the residual estimate, which both inner controllers pass on
+        // unchanged.
         for row in 3..N {
             setpoint.r_hat[row] += extra[row];
         }
@@ -111,7 +112,7 @@ mod tests {
             let n = series.len() as f64;
             let mean = series.iter().map(|v| v[row]).sum::<f64>() / n;
             let rms = (series.iter().map(|v| v[row] * v[row]).sum::<f64>() / n).sqrt();
-            // 300 s hold 60 periods of the slowest tone: what is left of an unfinished one is below 2 %.
+            // 300 s contain 60 periods of the slowest tone. The share of an unfinished period is below 2 %.
             assert!((rms / RMS[row] - 1.0).abs() < 0.02, "row {row}: {rms}");
             assert!(mean.abs() < 0.02 * RMS[row], "row {row}: {mean}");
         }

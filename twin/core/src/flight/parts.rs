@@ -1,4 +1,4 @@
-//! What a flight is put together from, and the stages of its tick. In and out: plain values; no state.
+//! The parts from which a flight is assembled, and the stages of its tick. In and out: plain values; no state.
 
 use super::Trigger;
 use crate::control::{Controller, Rows};
@@ -9,10 +9,10 @@ use crate::task::Task;
 use crate::tick::Setpoint;
 use crate::tuning::Tuning;
 
-/// A stage of one tick, for whoever measures where the time goes.
+/// A stage of one tick, for callers that measure the time of each stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
-    /// The source advanced: plant, sensors, estimator, inner rows.
+    /// The source advanced: plant, sensors, estimator, inner controllers.
     Source,
     /// Residual, history and base forecast.
     Predict,
@@ -22,36 +22,36 @@ pub enum Stage {
     Adapt,
     /// Control law.
     Control,
-    /// The tick is put together.
+    /// The tick was assembled.
     Record,
 }
 
-/// The parts a flight is made of.
+/// The parts of a flight.
 pub struct Parts {
-    /// The vehicle.
+    /// The source: a simulated, recorded or live vehicle.
     pub source: Box<dyn Source + Send>,
-    /// Base forecast.
+    /// The predictor, which gives the base forecast.
     pub predictor: Box<dyn Predictor>,
     /// Latent Residual Adapter.
     pub adapter: Adapter,
-    /// Outer law.
+    /// The outer control law.
     pub controller: Box<dyn Controller>,
-    /// Inner rows.
+    /// The inner controllers.
     pub rows: Rows,
-    /// What to fly.
+    /// The task, which says what to fly.
     pub task: Box<dyn Task>,
-    /// Gravity of the vehicle without payload.
+    /// Model of the gravity force of the vehicle without payload.
     pub gravity: GravityModel,
     /// Values in force at the start.
     pub tuning: Tuning,
-    /// Changes of the world by time, s.
+    /// Disturbances by time, s.
     pub schedule: Vec<(f64, Disturbance)>,
-    /// Changes of the world that wait for something to come to pass.
+    /// Disturbances that wait for a condition.
     pub triggers: Vec<Trigger>,
-    /// First set-point, before anything was measured.
+    /// The set-point before the first measurement.
     pub setpoint: Setpoint,
-    /// Ticks of history a predictor may look back.
+    /// Length of the history for the predictor, ticks.
     pub history_len: usize,
-    /// Residual, adapter and control law run every so many ticks (1: at 100 Hz).
+    /// Period of residual, adapter and control law, ticks (1 is 100 Hz).
     pub outer_divisor: u64,
 }

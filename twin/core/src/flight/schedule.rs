@@ -1,33 +1,33 @@
-//! What happens to the world in a flight by itself: at a time, or once something came to pass.
+//! The scheduled disturbances of a flight: by time, or after a condition was met.
 //!
-//! In: the ticks of the flight. Out: the disturbances that are due. State: what is still to come.
+//! In: the ticks of the flight. Out: the disturbances that are due. State: the disturbances to come.
 
 use crate::source::Disturbance;
 use crate::tick::{EventKind, Tick};
 
-/// Disturbances that begin when something first comes to pass.
+/// Disturbances that start when a condition is first met.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trigger {
-    /// What has to come to pass.
+    /// The condition.
     pub when: Condition,
-    /// What follows, each so many seconds after it.
+    /// The disturbances, each with its delay after the condition was met, s.
     pub then: Vec<(f64, Disturbance)>,
 }
 
-/// What a trigger waits for: all of what is given, in one tick.
+/// The condition of a trigger: all given parts must hold in one tick.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Condition {
     /// The task is in this phase.
     pub phase: Option<String>,
-    /// An event of this kind happens …
+    /// An event of this kind occurs …
     pub event: Option<EventKind>,
-    /// … whose sentence has this part.
+    /// … whose sentence contains this text.
     pub text: Option<String>,
 }
 
 impl Condition {
-    /// Whether a tick in `phase` with these events is what is waited for.
+    /// Whether `tick` meets the condition.
     pub fn met(&self, tick: &Tick) -> bool {
         let phase = self.phase.as_ref().is_none_or(|phase| *phase == tick.phase);
         let event = self.event.is_none_or(|kind| {
@@ -38,10 +38,10 @@ impl Condition {
     }
 }
 
-/// What is still to come.
+/// The disturbances to come.
 #[derive(Clone, Debug)]
 pub(super) struct Schedule {
-    /// By time, the latest first.
+    /// Disturbances by time, s; the latest is first.
     timed: Vec<(f64, Disturbance)>,
     waiting: Vec<Trigger>,
 }
@@ -53,13 +53,13 @@ impl Schedule {
         schedule
     }
 
-    /// The next of what is due at `now_s`.
+    /// Removes and returns the next disturbance that is due at `now_s`.
     pub(super) fn next(&mut self, now_s: f64) -> Option<Disturbance> {
         let due = self.timed.last().is_some_and(|(at_s, _)| *at_s <= now_s);
         if due { self.timed.pop().map(|(_, disturbance)| disturbance) } else { None }
     }
 
-    /// A tick was flown: what waited for it is scheduled.
+    /// Schedules the disturbances of the triggers whose condition `tick` meets.
     pub(super) fn watch(&mut self, tick: &Tick) {
         let now_s = tick.measurement.t_s;
         let met = self.waiting.extract_if(.., |trigger| trigger.when.met(tick));
@@ -71,7 +71,7 @@ impl Schedule {
         }
     }
 
-    /// The latest first; of those at one time the first stays last, where it is taken from.
+    /// Puts the latest first. Among equal times the first given stays last, from where it is taken first.
     fn sort(&mut self) {
         self.timed.reverse();
         self.timed.sort_by(|a, b| b.0.total_cmp(&a.0));

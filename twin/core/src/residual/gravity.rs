@@ -1,10 +1,10 @@
-//! Predictors that know physics and nothing else: nothing, gravity of the empty vehicle, gravity with an adapted offset.
+//! Predictors from physics alone: zero, gravity of the empty vehicle, and gravity with an adapted offset.
 
 use super::{GravityModel, History, Predictor, constant_forecast};
 use crate::notation::Coords;
 use crate::tick::Forecast;
 
-/// `r_hat = 0`: the vehicle falls; kept as the honest zero of every comparison.
+/// Predicts `r_hat = 0`, so that the vehicle falls; the zero line of every comparison.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct None;
 
@@ -18,13 +18,13 @@ impl Predictor for None {
     }
 }
 
-/// `r_hat = g(chi)` of the vehicle without payload.
+/// Predicts `r_hat = g(chi)`, the gravity force of the vehicle without payload.
 pub struct Gravity {
     model: GravityModel,
 }
 
 impl Gravity {
-    /// With the gravity force of the vehicle.
+    /// A predictor with the gravity force `model`.
     pub fn new(model: GravityModel) -> Self {
         Self { model }
     }
@@ -40,14 +40,14 @@ impl Predictor for Gravity {
     }
 }
 
-/// `g(chi)` with a one-feature regime `g' = [1]`: the adapter learns a plain offset per row. Slow on purpose, it is where a
-/// covariance reset shows what it is for.
+/// Predicts `g(chi)` with the one-feature regime `g' = [1]`, so that the adapter learns one offset per coordinate. It adapts
+/// slowly on purpose: with it the effect of a covariance reset is visible.
 pub struct Bias {
     model: GravityModel,
 }
 
 impl Bias {
-    /// With the gravity force of the vehicle.
+    /// A predictor with the gravity force `model`.
     pub fn new(model: GravityModel) -> Self {
         Self { model }
     }
@@ -63,7 +63,7 @@ impl Predictor for Bias {
     }
 }
 
-/// Gravity at the newest coordinates.
+/// Gravity force at the newest coordinates, N and N m.
 pub(super) fn base(model: &GravityModel, history: &History) -> Coords {
     history.newest().map_or_else(Coords::zeros, |entry| model(&entry.chi))
 }

@@ -1,6 +1,6 @@
-//! The last `T_l` ticks as every predictor sees them.
+//! The last `T_l` ticks, which every predictor sees.
 //!
-//! In: one measurement and residual per tick. Out: windows, oldest first.
+//! In: one measurement and one residual per tick. Out: windows, oldest tick first.
 
 use std::collections::VecDeque;
 
@@ -13,7 +13,7 @@ pub struct Entry {
     pub chi: Coords,
     /// Rates.
     pub chi_dot: Coords,
-    /// Applied force of the *previous* tick, `tau_{t-1}`: `tau_t` is not known when `r_t` is forecast.
+    /// Applied force of the *previous* tick, `tau_{t-1}`, because `tau_t` is still unknown when `r_t` is forecast.
     pub tau_previous: Coords,
     /// Residual of the previous tick, `r_{t-1}`.
     pub residual_previous: Coords,
@@ -28,12 +28,12 @@ pub struct History {
 }
 
 impl History {
-    /// Keeps the last `capacity` ticks.
+    /// An empty history for `capacity` ticks.
     pub fn new(capacity: usize) -> Self {
         Self { entries: VecDeque::with_capacity(capacity), capacity: capacity.max(1), last: None }
     }
 
-    /// Appends tick `t`; `tau` and `residual` of `t` become visible at `t + 1`.
+    /// Appends tick `t`; its `tau` and `residual` become visible at `t + 1`.
     pub fn push(&mut self, chi: Coords, chi_dot: Coords, tau: Coords, residual: Coords) {
         let (tau_previous, residual_previous) = self.last.unwrap_or((tau, residual));
         if self.entries.len() == self.capacity {
@@ -53,12 +53,12 @@ impl History {
         self.entries.iter()
     }
 
-    /// Number of ticks held.
+    /// Number of stored ticks.
     pub fn len(&self) -> usize {
         self.entries.len()
     }
 
-    /// Nothing was pushed yet.
+    /// True if no tick was appended yet.
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()
     }

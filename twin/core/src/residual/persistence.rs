@@ -1,11 +1,11 @@
-//! Persistence: the residual stays what it was. As a controller this is time-delay control (TDC); as a prediction it is the
-//! baseline every table must beat.
+//! Persistence: the residual keeps its last value. As a controller this is time-delay control (TDC); as a prediction it is the
+//! baseline that every predictor must beat.
 
 use super::{History, Predictor, constant_forecast};
 use crate::notation::Coords;
 use crate::tick::Forecast;
 
-/// `r_hat(t+j|t) = r_{t-1}` for every `j`.
+/// Predicts `r_hat(t+j|t) = r_{t-1}` for every `j`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Persistence;
 

@@ -1,7 +1,7 @@
-//! Gravity plus an adapted correction on random `tanh` features: the adapter at work without any training.
+//! Gravity plus an adapted correction on random `tanh` features: an adapter that needs no training.
 //!
-//! `g' = tanh(A z + b)`, `z` = attitude, joints, rates and previous force, each divided by a fixed scale. `A`, `b` come from a
-//! seed, so the predictor is a function of its configuration alone.
+//! `g' = tanh(A z + b)`, where `z` contains attitude, joints, rates and previous force, each divided by a fixed scale. A seed
+//! determines `A` and `b`, so the configuration alone determines the predictor.
 
 use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng;
@@ -17,23 +17,24 @@ use crate::tick::Forecast;
 /// Inputs: phi, theta, q1, q2, eight rates, eight slow forces, eight fast forces.
 const N_INPUTS: usize = 28;
 
-/// Spread of the rows of `A`: features stay in the bent part of `tanh` over normal flight.
+/// Standard deviation of the entries of `A`: in normal flight the features stay in the curved part of `tanh`.
 const PROJECTION_STD: f64 = 0.5;
 
-/// Spread of the offsets `b`.
+/// Standard deviation of the offsets `b`.
 const OFFSET_STD: f64 = 0.3;
 
-/// Slow forces (their moving mean) are divided by this times the residual's spread: a payload is three spreads.
+/// Slow forces (the moving mean) are divided by this number times the residual's standard deviation. A payload is about three
+/// standard deviations.
 const SLOW_SCALE: f64 = 3.0;
 
-/// Fast forces (the rest) are divided by this times the residual's spread: fine enough that hovering excites every feature, or
-/// the adapter learns the residual of a hover at the pace of a bias.
+/// Fast forces (the rest) are divided by this number times the residual's standard deviation. The scale is small, so that
+/// hovering excites every feature; otherwise the adapter would learn the residual of a hover as slowly as a bias.
 const FAST_SCALE: f64 = 0.3;
 
 /// Time constant of the moving mean, ticks.
 const MEAN_TICKS: f64 = 60.0;
 
-/// Scale of attitude (rad), joint angles (rad), then of the eight rates (m/s, rad/s).
+/// Scales of attitude (rad), of joint angles (rad) and of the eight rates (m/s, rad/s).
 const ATTITUDE_SCALE_RAD: f64 = 0.1;
 const JOINT_SCALE_RAD: f64 = 0.5;
 const RATE_SCALE: [f64; 8] = [0.5, 0.5, 0.3, 0.3, 0.3, 0.2, 0.5, 0.5];
@@ -41,7 +42,7 @@ const RATE_SCALE: [f64; 8] = [0.5, 0.5, 0.3, 0.3, 0.3, 0.2, 0.5, 0.5];
 /// Typical joint angles around which the features are centred, rad.
 const JOINT_CENTRE_RAD: [f64; 2] = [0.15, 1.24];
 
-/// The predictor's fixed random projection.
+/// The random features as a predictor, with a fixed projection.
 pub struct RandomFeatures {
     model: GravityModel,
     projection: DMatrix<f64>,
@@ -50,7 +51,7 @@ pub struct RandomFeatures {
 }
 
 impl RandomFeatures {
-    /// `d_k` features drawn from `seed`, over the gravity force of the vehicle. The first feature is constant.
+    /// A predictor with `d_k` features drawn from `seed`, over the gravity force `model`. The first feature is constant.
     pub fn new(model: GravityModel, d_k: usize, seed: u64) -> Self {
         let mut rng = Pcg64::seed_from_u64(seed);
         let mut draw = || -> f64 { StandardNormal.sample(&mut rng) };

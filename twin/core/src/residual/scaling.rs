@@ -1,7 +1,7 @@
-//! Between the units of a flight and the z-scores of a network, by the statistics of its training data.
+//! Converts between the units of a flight and the z-scores of a network, by the statistics of the network's training data.
 //!
 //! In: histories in their units, forecasts as z-scores. Out: histories as z-scores, a [`Forecast`] in N and N m. State: the
-//! statistics, never changed.
+//! statistics, which never change.
 
 use super::History;
 use super::weights::{Head, WeightsError};
@@ -11,21 +11,22 @@ use crate::tick::Forecast;
 /// Statistics of the training data of one network.
 #[derive(Clone, Debug)]
 pub(super) struct Scaling {
-    /// Mean of each input channel, in its unit, and reciprocal of its standard deviation; zero where the channel is masked.
+    /// Mean of each input channel in its unit, and the reciprocal of its standard deviation; the reciprocal is zero for a masked
+    /// channel.
     inputs: Vec<(f64, f64)>,
-    /// Mean of the residual per row, N and N m.
+    /// Mean of each coordinate of the residual, N and N m.
     mean: Coords,
-    /// Standard deviation of the residual per row, N and N m.
+    /// Standard deviation of each coordinate of the residual, N and N m.
     pub(super) std: Coords,
-    /// The adapter sees the regime times this.
+    /// Factor on the regime that the adapter receives.
     regime_scale: f64,
 }
 
 impl Scaling {
-    /// The statistics in `head`.
+    /// The statistics from `head`.
     ///
     /// # Errors
-    /// [`WeightsError`] if the channels or rows are those of another vehicle.
+    /// [`WeightsError`] if the channels or outputs belong to another vehicle.
     pub(super) fn new(head: &Head) -> Result<Self, WeightsError> {
         head.check_channels()?;
         let n = &head.normalisation;
@@ -41,8 +42,8 @@ impl Scaling {
         })
     }
 
-    /// Writes the last `t_long` ticks of `history` to `x`, `[channels, t_long]`, z-scored, oldest first; ticks that are missing
-    /// at the start of a flight are the oldest entry.
+    /// Writes the last `t_long` ticks of `history` to `x`, `[channels, t_long]`, z-scored, oldest first. At the start of a flight
+    /// the oldest entry stands for the missing ticks.
     pub(super) fn window(&self, history: &History, t_long: usize, x: &mut [f32]) {
         let skip = history.len().saturating_sub(t_long);
         let missing = t_long.saturating_sub(history.len());
@@ -50,7 +51,7 @@ impl Scaling {
             let parts = [&entry.chi, &entry.chi_dot, &entry.tau_previous];
             let values = parts.into_iter().flat_map(|part| part.iter());
             for (channel, (value, (mean, per_std))) in values.zip(&self.inputs).enumerate() {
-                // A masked channel is zero whatever it reads.
+                // A masked channel is zero whatever its value is.
                 let z = if *per_std == 0.0 { 0.0 } else { ((value - mean) * per_std) as f32 };
                 let row = &mut x[channel * t_long..][..t_long];
                 row[missing + tick] = z;
@@ -61,12 +62,12 @@ impl Scaling {
         }
     }
 
-    /// A residual, N and N m, as z-scores.
+    /// A residual in N and N m as z-scores.
     pub(super) fn z_scores(&self, residual: &Coords) -> Vec<f32> {
         (residual - self.mean).component_div(&self.std).iter().map(|v| *v as f32).collect()
     }
 
-    /// The forecast of z-scored residuals `[horizon + 1, N]` and a regime `[d_k]`.
+    /// The forecast from z-scored residuals `[horizon + 1, N]`, a regime `[d_k]` and the attention `[channels]`.
     pub(super) fn forecast(&self, residual: &[f32], regime: &[f32], attention: &[f32]) -> Forecast {
         let physical = |z: &[f32]| {
             Coords::from_fn(|row, _| f64::from(z[row])).component_mul(&self.std) + self.mean

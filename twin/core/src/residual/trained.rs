@@ -1,4 +1,4 @@
-//! From a file of weights to the predictor it is of, whichever model that is.
+//! Builds the predictor of any model from a file of weights.
 
 use super::baselines::{Gp, Sindy, gp, sindy};
 use super::nn::Precision;
@@ -6,21 +6,21 @@ use super::nn::kernels::Kernel;
 use super::weights::{ModelKind, Weights, WeightsError};
 use super::{Fdt, Predictor, learned};
 
-/// Models that fly from a file, as its head names them.
+/// Names of the models that fly from a file, as in its head.
 pub const MODELS: &str = "fdt, lstm, transformer, gpt2, neural_fly, mlp, sindy or gp";
 
-/// A predictor and the count of its learned numbers.
+/// A predictor and its number of learned parameters.
 pub struct Trained {
-    /// What predicts.
+    /// The predictor.
     pub predictor: Box<dyn Predictor>,
-    /// Learned numbers that are not zero by choice of the method.
+    /// Number of learned parameters, without those that the method sets to zero.
     pub parameters: usize,
 }
 
-/// The predictor of `weights`; `kernel` and `precision` are those of the FDT, the others are small and computed as they are.
+/// The predictor for `weights`. `kernel` and `precision` apply to the FDT; the other models are small and use the plain form.
 ///
 /// # Errors
-/// [`WeightsError`] if they are of no known model or of another vehicle, or a tensor is not what it must be.
+/// [`WeightsError`] if the weights belong to an unknown model or another vehicle, or if a tensor is wrong.
 pub fn predictor(
     weights: &Weights,
     kernel: Kernel,

@@ -1,7 +1,7 @@
-//! Trained weights: what a file of them says about itself, and its tensors.
+//! Trained weights: the head of a file of weights, and its tensors.
 //!
-//! In: the bytes of a safetensors file with f32 tensors whose metadata key `twin` holds the [`Head`] as JSON. Out: [`Weights`], of
-//! which every number is finite and the head consistent; or a [`WeightsError`] that says what is wrong. No state, no I/O.
+//! In: the bytes of a safetensors file with f32 tensors, whose metadata key `twin` contains the [`Head`] as JSON. Out:
+//! [`Weights`] with finite numbers and a consistent head, or a [`WeightsError`]. No state, no I/O.
 
 mod error;
 mod head;
@@ -21,7 +21,7 @@ pub use kind::ModelKind;
 /// Key of the head in the metadata of the file.
 pub const HEAD_KEY: &str = "twin";
 
-/// The weights the program was built with, a file of [`FdtConfig::SMALL`] that is accepted: `twin collect && twin train &&
+/// The weights that are built into the program: an accepted file of [`FdtConfig::SMALL`], made by `twin collect && twin train &&
 /// twin evaluate acceptance out/weights/fdt.safetensors`.
 pub const SHIPPED: &[u8] = include_bytes!("weights/fdt_small.safetensors");
 
@@ -34,21 +34,21 @@ pub struct Tensor {
     pub values: Vec<f32>,
 }
 
-/// A file of weights, read.
+/// The content of a file of weights.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Weights {
-    /// What the file says about itself.
+    /// The description of the weights.
     pub head: Head,
     /// Tensors by name.
     pub tensors: BTreeMap<String, Tensor>,
 }
 
 impl Weights {
-    /// Reads a file.
+    /// Reads the bytes of a file.
     ///
     /// # Errors
-    /// [`WeightsError`] for a file that is cut off, no safetensors file, without a head of [`FORMAT`], or with a value that is not
-    /// finite.
+    /// [`WeightsError`] if the file is cut off, is no safetensors file, has no head of [`FORMAT`], or contains a value that is
+    /// not finite.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, WeightsError> {
         let unusable = |error| unreadable(bytes.len(), &error);
         let (_, metadata) = SafeTensors::read_metadata(bytes).map_err(unusable)?;
@@ -64,10 +64,10 @@ impl Weights {
         Ok(Self { head, tensors })
     }
 
-    /// The bytes of the file: what [`Weights::from_bytes`] reads back to the same.
+    /// The bytes of the file; [`Weights::from_bytes`] reads them back to equal weights.
     ///
     /// # Errors
-    /// [`WeightsError`] if a shape is not that of its values.
+    /// [`WeightsError`] if a shape does not match its values.
     pub fn to_bytes(&self) -> Result<Vec<u8>, WeightsError> {
         let unwritable = |reason: String| WeightsError::Unwritable { reason };
         let head =
@@ -95,10 +95,10 @@ impl Weights {
             .map_err(|error| unwritable(error.to_string()))
     }
 
-    /// The file holds the tensors `expected` and no other.
+    /// Checks that the file contains exactly the tensors `expected`.
     ///
     /// # Errors
-    /// [`WeightsError`] naming the first tensor that is missing, too many or of another shape.
+    /// [`WeightsError`] that names the first tensor that is missing, superfluous or of another shape.
     pub fn check_tensors(&self, expected: &[(String, Vec<usize>)]) -> Result<(), WeightsError> {
         for (name, shape) in expected {
             let tensor = self.tensors.get(name).ok_or_else(|| WeightsError::Missing {
@@ -120,7 +120,7 @@ impl Weights {
         }
     }
 
-    /// The values of tensor `name`; empty if there is none.
+    /// The values of tensor `name`; empty if it does not exist.
     pub(super) fn values(&self, name: &str) -> Vec<f32> {
         self.tensors.get(name).map_or_else(Vec::new, |tensor| tensor.values.clone())
     }
@@ -140,7 +140,7 @@ fn tensor(name: &str, view: &TensorView<'_>) -> Result<Tensor, WeightsError> {
     }
 }
 
-/// A file that ends before its own header says so is one that was cut off.
+/// The error for an unreadable file: it is cut off if it is shorter than its header says.
 fn unreadable(found_bytes: usize, error: &SafeTensorError) -> WeightsError {
     match error {
         SafeTensorError::HeaderTooSmall

@@ -1,4 +1,4 @@
-//! Fly the transport path with whatever is (or is not) in the hand: the task of payload-free flights and of tracking studies.
+//! Flies the transport path, with or without a payload in the hand: the task of payload-free flights and of tracking studies.
 
 use nalgebra::{Vector2, Vector3};
 
@@ -20,7 +20,7 @@ enum Phase {
     Rest,
 }
 
-/// Settles, goes to the start of the path, follows it, rests.
+/// Settles, flies to the start of the path, follows it, and rests.
 #[derive(Clone, Debug)]
 pub struct FollowPath {
     motion: Motion,
@@ -32,7 +32,7 @@ pub struct FollowPath {
 }
 
 impl FollowPath {
-    /// From `start` (m) along `curve` at `speed_m_s` with the arm at `joints` (rad).
+    /// A task that flies from `start` (m) along `curve` at `speed_m_s` with the arm at `joints` (rad).
     pub fn new(
         start: Vector3<f64>,
         curve: Curve,

@@ -1,4 +1,4 @@
-//! Hold a posture: the simplest task, for tuning, wind and payload steps.
+//! Hovers at one posture: the simplest task, for tuning, wind and payload steps.
 
 use nalgebra::{Vector2, Vector3};
 
@@ -15,7 +15,7 @@ pub struct Hover {
 }
 
 impl Hover {
-    /// At `position` (m) with the arm at `joints` (rad) for `duration_s`.
+    /// A hover at `position` (m) with the arm at `joints` (rad) for `duration_s`.
     pub fn new(
         position: Vector3<f64>,
         joints: Vector2<f64>,

@@ -10,18 +10,19 @@ use crate::elementary::{powi, sin_cos};
 /// Duration of the ramps at both ends of a path, s.
 const RAMP_S: f64 = 1.0;
 
-/// A desired lateral force is applied this much later, s: command filter 2 zeta / omega = 0.12, rotors 0.045, low-pass on
-/// `r_hat` 0.03. On a known path it can be asked for as much earlier.
+/// Delay with which a desired lateral force takes effect, s: command filter 2 zeta / omega = 0.12, rotors 0.045, low-pass on
+/// `r_hat` 0.03. On a known path the force can be demanded that much earlier.
 const LATERAL_LAG_S: f64 = 0.2;
 
-/// Points of the arc-length table.
+/// Number of intervals of the arc-length table.
 const TABLE: usize = 4000;
 
-/// Shape of a path of the vehicle's base, parameter `u` in 0..=1.
+/// Shape of a path of the vehicle's base, with parameter `u` in 0..=1.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", tag = "shape")]
 pub enum Curve {
-    /// Scenario A: from `from` over `length_m` along x, `sway_m` to the sides, rising by `rise_m` with a swing of `bob_m`.
+    /// Scenario A: a path from `from` over `length_m` along x that sways by `sway_m` along y and rises by `rise_m` with a swing
+    /// of `bob_m`.
     S {
         /// Start, m.
         from: [f64; 3],
@@ -48,7 +49,7 @@ pub enum Curve {
 }
 
 impl Curve {
-    /// Point with first and second derivative by `u`, m.
+    /// Point at `u` with its first and second derivative with respect to `u`, m.
     pub fn at(&self, u: f64) -> [Vector3<f64>; 3] {
         match *self {
             Self::S { from, length_m, sway_m, rise_m, bob_m } => {
@@ -85,7 +86,7 @@ pub struct TimedPath {
 }
 
 impl TimedPath {
-    /// `curve` at cruise speed `speed_m_s`; a path too short for its ramps gets shorter ones.
+    /// A path along `curve` at cruise speed `speed_m_s`. A path that is too short for its ramps gets shorter ramps.
     pub fn new(curve: Curve, speed_m_s: f64) -> Self {
         let mut arc_m = Vec::with_capacity(TABLE + 1);
         let mut total = 0.0;
@@ -99,17 +100,17 @@ impl TimedPath {
         Self { curve, arc_m, speed_m_s, ramp_s }
     }
 
-    /// Length, m.
+    /// Length of the path, m.
     pub fn length_m(&self) -> f64 {
         self.arc_m.last().copied().unwrap_or(0.0)
     }
 
-    /// Duration including the ramps, s. A ramp covers half of what cruising would.
+    /// Duration including the ramps, s. A ramp covers half of the distance of cruising for the same time.
     pub fn duration_s(&self) -> f64 {
         self.length_m() / self.speed_m_s + self.ramp_s
     }
 
-    /// The path is at cruise speed at `t_s`.
+    /// Whether the path is at cruise speed at `t_s`.
     pub fn cruising(&self, t_s: f64) -> bool {
         t_s > self.ramp_s && t_s < self.duration_s() - self.ramp_s
     }
@@ -119,7 +120,7 @@ impl TimedPath {
         self.curve.at(0.0)[0]
     }
 
-    /// Position, velocity and acceleration at `t_s`; at rest before and after.
+    /// Position, velocity and acceleration at `t_s`; at rest before the start and after the end.
     pub fn at(&self, t_s: f64) -> Knot<3> {
         let (s, s_dot, s_ddot) = self.arc_at(t_s.clamp(0.0, self.duration_s()));
         let u = self.parameter_at(s);
@@ -130,7 +131,7 @@ impl TimedPath {
         Knot { value: p, rate: p_u * u_dot, acceleration: p_u * u_ddot + p_uu * (u_dot * u_dot) }
     }
 
-    /// The path at `t_s` with its lateral acceleration taken [`LATERAL_LAG_S`] earlier; position and rate are not.
+    /// Position and velocity at `t_s`, but the lateral acceleration at `t_s` + `LATERAL_LAG_S`.
     pub fn with_lead(&self, t_s: f64) -> Knot<3> {
         let mut knot = self.at(t_s);
         let ahead = self.at(t_s + LATERAL_LAG_S).acceleration;
@@ -138,7 +139,8 @@ impl TimedPath {
         knot
     }
 
-    /// Arc length, speed and tangential acceleration: the ramp's speed is a quintic from 0 to cruise.
+    /// Arc length (m), speed (m/s) and tangential acceleration (m/s²) at `t_s`; the speed of a ramp is a quintic from 0 to cruise
+    /// speed.
     fn arc_at(&self, t_s: f64) -> (f64, f64, f64) {
         let (v, ramp, total) = (self.speed_m_s, self.ramp_s, self.duration_s());
         let rise = |t: f64| {

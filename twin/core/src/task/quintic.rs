@@ -15,13 +15,13 @@ pub struct Knot<const D: usize> {
 }
 
 impl<const D: usize> Knot<D> {
-    /// At rest at `value`.
+    /// A knot at rest at `value`.
     pub fn rest(value: SVector<f64, D>) -> Self {
         Self { value, rate: SVector::zeros(), acceleration: SVector::zeros() }
     }
 }
 
-/// A quintic from any knot to rest.
+/// A quintic from any knot to a knot at rest.
 #[derive(Clone, Copy, Debug)]
 pub struct Quintic<const D: usize> {
     c: [SVector<f64, D>; 6],
@@ -29,11 +29,11 @@ pub struct Quintic<const D: usize> {
 }
 
 impl<const D: usize> Quintic<D> {
-    /// From `from` to rest at `to` in `duration_s` (at least 1 ms).
+    /// A quintic from `from` to rest at `to` in `duration_s`, s (at least 1 ms).
     pub fn to_rest(from: &Knot<D>, to: &SVector<f64, D>, duration_s: f64) -> Self {
         let t = duration_s.max(1e-3);
         let c2 = from.acceleration * 0.5;
-        // Remaining boundary conditions at t, solved for the three highest coefficients.
+        // The remaining boundary conditions at t, solved for the three highest coefficients.
         let p = to - from.value - from.rate * t - c2 * (t * t);
         let v = -from.rate - from.acceleration * t;
         let a = -from.acceleration;
@@ -43,7 +43,7 @@ impl<const D: usize> Quintic<D> {
         Self { c: [from.value, from.rate, c2, c3, c4, c5], duration_s: t }
     }
 
-    /// Value and derivatives at `t_s` from the start; constant after the end.
+    /// Value and derivatives `t_s` seconds after the start; constant after the end.
     pub fn at(&self, t_s: f64) -> Knot<D> {
         let t = t_s.clamp(0.0, self.duration_s);
         let c = &self.c;
@@ -74,9 +74,9 @@ mod tests {
             let q = Quintic::to_rest(&from, &Vector1::new(p1), t);
             let (start, end) = (q.at(0.0), q.at(t - 1e-9));
             prop_assert!((start.value - from.value).norm() + (start.rate - from.rate).norm() < 1e-12);
-            // The end is evaluated 1 ns early, where the acceleration has changed by jerk times 1 ns.
+            // The end is evaluated 1 ns early, at which the acceleration differs by jerk times 1 ns.
             prop_assert!((end.value.x - p1).abs() < 1e-6 && end.rate.x.abs() < 1e-6 && end.acceleration.x.abs() < 1e-4);
-            // Central differences, step 1e-4 s: error below 1e-5 for these coefficients.
+            // Central differences with step 1e-4 s have an error below 1e-5 for these coefficients.
             let h = 1e-4;
             let (before, here, after) = (q.at(u * t - h), q.at(u * t), q.at(u * t + h));
             let scale = 1.0 + here.acceleration.x.abs() + here.rate.x.abs();

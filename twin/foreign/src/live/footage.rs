@@ -1,4 +1,4 @@
-//! A flight that goes on, read like a long recording, a short time behind the newest message.
+//! A flight that is still going on, read like a long recording, a short time behind the newest message.
 
 use std::sync::Arc;
 
@@ -13,17 +13,17 @@ use super::super::topics::Map;
 use super::shared::Shared;
 use twin_core::notation::TICK_S;
 
-/// Time read before a part and after it, s.
+/// Time that is read before a part and after it, s.
 const BEFORE_S: f64 = 4.0;
 const AFTER_S: f64 = 0.1;
 
-/// The newest ticks are given so many at a time.
+/// The number of available ticks grows in steps of this size.
 const STEP_TICKS: usize = 5;
 
 /// Ticks of a block.
 const BLOCK_TICKS: usize = 50;
 
-/// A flight that goes on, as it was judged once.
+/// A flight that is still going on, with the sources, clocks and gains that were chosen for it once.
 #[derive(Debug)]
 struct LiveFootage {
     shared: Arc<Shared>,
@@ -32,7 +32,7 @@ struct LiveFootage {
     map: Map,
 }
 
-/// What is `shared`, judged by its last minute and read on as it goes on.
+/// Opens the flight in `shared`: chooses and fits by its last minute, and reads on as messages arrive.
 pub(super) fn opened(shared: &Arc<Shared>) -> Option<OpenedFlight> {
     let opened = shared.judged()?;
     let footage = LiveFootage {
@@ -49,7 +49,7 @@ pub(super) fn opened(shared: &Arc<Shared>) -> Option<OpenedFlight> {
 }
 
 impl Footage for LiveFootage {
-    /// Ticks that were measured long enough ago for everything about them to be here.
+    /// Number of ticks that are old enough for all their messages to have arrived.
     fn ticks(&self) -> usize {
         let state = self.shared.state();
         let now_s = state.pulse.now_s(self.shared.now_s()).unwrap_or(0.0) - state.pulse.lag_s();
@@ -67,7 +67,7 @@ impl Footage for LiveFootage {
             let state = self.shared.state();
             let bases = bases_as(&state.tracks, &self.chosen);
             let part = |(track, base): (&Track, &Timebase)| {
-                // Samples are in order but for jitter: the part is looked for from the end.
+                // Samples are in order except for jitter, so the search for the part starts at the end.
                 let newest = track.samples.iter().rev();
                 let mut samples: Vec<_> = newest
                     .take_while(|s| common_ns(s, base) > range.start - 1_000_000_000)

@@ -1,8 +1,8 @@
-//! A flight that still goes on: what a stream or a growing file says is kept for some minutes and read like a long recording,
-//! a short time behind it.
+//! A flight that is still going on: the messages of a stream or of a growing file stay in memory for some minutes and are read
+//! like a long recording, a short time behind the newest message.
 //!
-//! In: records from a thread. Out: [`OpenedFlight`]s, anew whenever more is known (the thrust's gain, once it flies) or the
-//! stream begins anew. While nothing comes, time goes on and nothing is known.
+//! In: records from a thread. Out: [`OpenedFlight`]s, a new one whenever more is known (the gain of the thrust, once the vehicle
+//! flies) or a new flight begins in the stream. While no message arrives, time continues and every value is unknown.
 
 mod pulse;
 mod shared;
@@ -18,10 +18,10 @@ use std::time::Duration;
 use super::opened::{OpenError, OpenedFlight, choose_map};
 use shared::{Shared, wall};
 
-/// How often those who wait look.
+/// Period at which waiting threads check again.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// Where a flight comes from that still goes on.
+/// Source of a flight that is still going on.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum From {
     /// A Foxglove WebSocket server, `ws://HOST:PORT`.
@@ -30,7 +30,7 @@ pub enum From {
     File(PathBuf),
 }
 
-/// A flight that still goes on.
+/// A flight that is still going on, and the thread that listens to it.
 #[derive(Debug)]
 pub struct Live {
     shared: Arc<Shared>,
@@ -38,12 +38,12 @@ pub struct Live {
 }
 
 impl Live {
-    /// Begins to listen; `map` as for a recording.
+    /// Starts to listen; `map` names a map as for a recording.
     ///
     /// # Errors
-    /// [`OpenError`] if the map is not usable.
+    /// [`OpenError`] if the map cannot be used.
     pub fn listen(from: &From, map: Option<&str>) -> Result<Self, OpenError> {
-        // A map that is asked for is checked at once, not when the first message comes.
+        // The map that is asked for is checked now, not when the first message arrives.
         choose_map(map, None)?;
         let name = match from {
             From::Socket(url) => url.clone(),
@@ -56,11 +56,15 @@ impl Live {
                 From::Socket(url) => socket::listen(&theirs, &url),
                 From::File(path) => tail::follow(&theirs, &path),
             });
-        let thread = thread.inspect_err(|error| tracing::error!("nobody listens: {error}")).ok();
+        let thread = thread
+            .inspect_err(|error| {
+                tracing::error!("cannot start the thread that listens to the stream: {error}")
+            })
+            .ok();
         Ok(Self { shared, thread })
     }
 
-    /// What is heard so far as a flight; `None` while there is no pose in it.
+    /// The messages so far as a flight; `None` until they contain a pose.
     pub fn opened(&self) -> Option<OpenedFlight> {
         footage::opened(&self.shared)
     }
@@ -79,22 +83,22 @@ impl Live {
         None
     }
 
-    /// Counts up when there is more to know: then [`Self::opened`] says more.
+    /// A counter that grows when [`Self::opened`] would return more than before.
     pub fn generation(&self) -> u64 {
         self.shared.generation()
     }
 
-    /// What happened to the stream since the last call, a sentence each.
+    /// What happened to the stream since the last call, one sentence each.
     pub fn news(&self) -> Vec<String> {
         self.shared.news()
     }
 
-    /// Messages come.
+    /// True while messages arrive.
     pub fn is_up(&self) -> bool {
         self.shared.is_up()
     }
 
-    /// Where it comes from.
+    /// Address or path of the source.
     pub fn name(&self) -> &str {
         self.shared.name()
     }

@@ -1,32 +1,33 @@
-//! What time it is on the clock of a stream, and how long its messages take to come.
+//! Estimates the present time on the clock of a stream, and the delay of its messages.
 
 use std::collections::VecDeque;
 
-/// A message logged so long before the last one, or so much longer after it than the time between them, is of another flight or of
-/// a clock that was set, s.
+/// Limits of a plausible step in log time, s. If log time steps back by more than the first, or forward by more than the second
+/// beyond the elapsed time, a new flight began or the clock was set.
 const BACK_S: f64 = 0.5;
 const AHEAD_S: f64 = 60.0;
 
-/// Ways of messages are remembered for so long, in bins of so long, s. A stream that stood still is thereby followed again.
+/// Delays of messages stay in memory for the first time, in bins of the second, s. After a pause of the stream the clock
+/// therefore settles again within that time.
 const REMEMBERED_S: f64 = 3.0;
 const BIN_S: f64 = 0.1;
 
-/// Least and most time behind the stream, s.
+/// Smallest and largest time behind the stream, s.
 const LAG_S: (f64, f64) = (0.15, 60.0);
 
-/// Room for interpolation beyond the longest delay, s.
+/// Margin for interpolation beyond the longest delay, s.
 const ROOM_S: f64 = 0.1;
 
-/// The clock of a stream, from the times at which its messages came.
+/// The clock of a stream, estimated from the arrival times of its messages.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pulse {
-    /// Oldest first; the newest is kept however old it is.
+    /// Bins of delays, oldest first. The newest stays in memory however old it is.
     bins: VecDeque<Bin>,
-    /// Own time of the last message, s, and when it was logged.
+    /// Arrival time of the last message on our own clock, s, and its log time, s.
     last_s: Option<(f64, f64)>,
 }
 
-/// Own time less the stream's, of messages that came together, s.
+/// Range of delays (own time minus log time) of the messages that arrived within one bin, s.
 #[derive(Clone, Copy, Debug)]
 struct Bin {
     began_s: f64,
@@ -35,7 +36,8 @@ struct Bin {
 }
 
 impl Pulse {
-    /// A message logged at `log_s` came at `now_s`; true if it begins anew.
+    /// Adds a message with log time `log_s` that arrived at `now_s` of our own clock. Returns true if a new flight began or the
+    /// clock was set.
     pub(super) fn heard(&mut self, log_s: f64, now_s: f64) -> bool {
         let anew = self.last_s.is_some_and(|(heard_s, logged_s)| {
             let step_s = log_s - logged_s;
@@ -62,19 +64,19 @@ impl Pulse {
         self.bins.iter().map(|bin| bin.least).reduce(f64::min)
     }
 
-    /// The stream's time now, s; `None` before the first message.
+    /// The present time on the clock of the stream, s; `None` before the first message.
     pub(super) fn now_s(&self, now_s: f64) -> Option<f64> {
         Some(now_s - self.least_s()?)
     }
 
-    /// So far behind that time everything has come, s.
+    /// Time behind the present by which all messages have arrived, s.
     pub(super) fn lag_s(&self) -> f64 {
         let most_s = self.bins.iter().map(|bin| bin.most).reduce(f64::max);
         let delay_s = most_s.zip(self.least_s()).map_or(0.0, |(most, least)| most - least);
         (delay_s + ROOM_S).clamp(LAG_S.0, LAG_S.1)
     }
 
-    /// Time since the last message, s.
+    /// Time since the last message arrived, s.
     pub(super) fn silent_s(&self, now_s: f64) -> f64 {
         self.last_s.map_or(0.0, |(heard_s, _)| now_s - heard_s)
     }
@@ -89,7 +91,7 @@ mod tests {
         let mut pulse = Pulse::default();
         for i in 0..500 {
             let log_s = f64::from(i) * 0.01;
-            // 5 ms on the way, every tenth message 80 ms.
+            // The delay is 5 ms, and 80 ms for every tenth message.
             let way_s = if i % 10 == 3 { 0.08 } else { 0.005 };
             assert!(!pulse.heard(log_s, 100.0 + log_s + way_s));
         }
@@ -104,11 +106,12 @@ mod tests {
         for i in 0..100 {
             pulse.heard(f64::from(i) * 0.01, 10.0 + f64::from(i) * 0.01);
         }
-        // It stood still for 5 s and goes on where it was.
+        // The stream pauses for 5 s and continues where it stopped.
         assert!(!pulse.heard(1.0, 16.0));
         assert!((pulse.now_s(16.1).unwrap() - 1.1).abs() < 1e-9);
         assert!(!pulse.heard(1.01, 16.01));
-        // For a second only: the time that everything has come of is right at once, the clock itself after three.
+        // The pause lasts one second here: the time by which everything has arrived is right at once, the clock itself after
+        // three seconds.
         for i in 0..500 {
             let (log_s, now_s) = (1.02 + f64::from(i) * 0.01, 17.02 + f64::from(i) * 0.01);
             assert!(!pulse.heard(log_s, now_s));
@@ -116,7 +119,7 @@ mod tests {
             assert!((log_s - reached_s - 0.1).abs() < 0.06, "{log_s} {reached_s}");
         }
         assert!(pulse.lag_s() < 0.2);
-        // A clock that was set, and a flight from its start.
+        // First a clock that was set, then a new flight from its start.
         assert!(pulse.heard(900.0, 23.0));
         assert!(pulse.heard(0.0, 23.1));
         assert!((pulse.now_s(23.2).unwrap() - 0.1).abs() < 1e-9);
@@ -128,7 +131,7 @@ mod tests {
         for i in 0..400_u32 {
             assert!(!pulse.heard(f64::from(i) * 0.01, f64::from(i / 100 + 1)), "{i}");
         }
-        // The first message of a chunk comes 0.99 s later after its time than the last one.
+        // The first message of a chunk arrives 0.99 s later, relative to its log time, than the last one.
         assert!((pulse.lag_s() - 1.09).abs() < 1e-9, "{}", pulse.lag_s());
     }
 }

@@ -1,4 +1,4 @@
-//! What the thread that listens and those who watch have in common: samples, clock, and what was said of them.
+//! State that the listening thread shares with the threads that read the flight: samples, clock, and news about the stream.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -20,16 +20,16 @@ use super::super::topics::Map;
 use super::LOOK;
 use super::pulse::Pulse;
 
-/// What is kept, s.
+/// Time for which samples stay in memory, s.
 const KEPT_S: f64 = 600.0;
 
-/// What is heard before it is judged first, and again while the force is unknown, s.
+/// Time of messages before the flight is judged for the first time, and between later judgements while the force is unknown, s.
 const JUDGED_AFTER_S: f64 = 3.0;
 
-/// It is judged by so much of it, ns.
+/// Length of the newest part of the stream by which the flight is judged, ns.
 const JUDGED_NS: u64 = 60_000_000_000;
 
-/// Without a message for so long, the stream is silent, s.
+/// Time without a message after which the stream counts as silent, s.
 const SILENT_S: f64 = 0.2;
 
 #[derive(Debug)]
@@ -51,9 +51,9 @@ pub(super) struct State {
     pub(super) pulse: Pulse,
     first_heard_s: Option<f64>,
     pruned_s: f64,
-    /// Counts up when there is more to know than at the last opening, or everything begins anew.
+    /// Grows when more is known than at the last opening, or when a new flight begins.
     generation: u64,
-    /// Time zero of the ticks, kept while the stream goes on.
+    /// Time zero of the ticks, ns; it stays while the same flight goes on.
     start_ns: Option<i64>,
     judged_s: f64,
     effort_known: bool,
@@ -62,13 +62,13 @@ pub(super) struct State {
     news: Vec<String>,
 }
 
-#[expect(clippy::disallowed_methods, reason = "a stream is as old as the clock on the wall says")]
+#[expect(clippy::disallowed_methods, reason = "the age of a stream is a wall-clock time")]
 pub(super) fn wall() -> Instant {
     Instant::now()
 }
 
 impl Shared {
-    /// Of a stream of that name; `map` as for a recording.
+    /// The state of a stream called `name`; `map` names a map as for a recording.
     pub(super) fn new(name: String, map: Option<&str>) -> Self {
         Self {
             name,
@@ -87,18 +87,18 @@ impl Shared {
         self.stop.store(true, Ordering::Relaxed);
     }
 
-    /// Counts up when there is more to know.
+    /// A counter that grows when more is known than before.
     pub(super) fn generation(&self) -> u64 {
         self.state().generation
     }
 
-    /// What happened since the last call, a sentence each.
+    /// What happened since the last call, one sentence each.
     pub(super) fn news(&self) -> Vec<String> {
         self.look();
         std::mem::take(&mut self.state().news)
     }
 
-    /// Messages come.
+    /// True while messages arrive.
     pub(super) fn is_up(&self) -> bool {
         self.look();
         let state = self.state();
@@ -106,7 +106,7 @@ impl Shared {
     }
 
     pub(super) fn state(&self) -> MutexGuard<'_, State> {
-        // Whoever failed left whole samples.
+        // A thread that panicked left only whole samples behind.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -118,7 +118,7 @@ impl Shared {
         self.stop.load(Ordering::Relaxed)
     }
 
-    /// Sleeps, but not past a request to stop.
+    /// Sleeps for `time`, or until a request to stop.
     pub(super) fn pause(&self, time: Duration) {
         let start = wall();
         while start.elapsed() < time && !self.is_stopped() {
@@ -126,30 +126,30 @@ impl Shared {
         }
     }
 
-    /// The stream is there.
+    /// Notes that the stream is connected.
     pub(super) fn is_connected(&self) {
         let mut state = self.state();
         if !state.up {
             state.up = true;
             if state.start_ns.is_some() {
-                state.news.push(format!("{}: there again", self.name));
+                state.news.push(format!("{}: connected again", self.name));
             }
         }
     }
 
-    /// The stream is gone; it is said once.
+    /// Notes that the stream is lost; the news report it once.
     pub(super) fn is_lost(&self, why: &str) {
         let mut state = self.state();
         if state.up || state.first_heard_s.is_none() && state.news.is_empty() {
             state.news.push(format!(
-                "{}: lost: {why}; nothing is known until it is there again, which is tried all the time",
+                "{}: connection lost: {why}; every value is unknown until the stream is connected again, which the program keeps trying",
                 self.name
             ));
         }
         state.up = false;
     }
 
-    /// A record of the stream.
+    /// Takes a record of the stream.
     pub(super) fn take(&self, record: Record<'_>) {
         let now_s = self.now_s();
         let mut state = self.state();
@@ -159,7 +159,7 @@ impl Shared {
                 state.first_heard_s.get_or_insert(now_s);
                 if state.silent {
                     state.silent = false;
-                    state.news.push(format!("{}: it goes on", self.name));
+                    state.news.push(format!("{}: messages arrive again", self.name));
                 }
                 if state.pulse.heard(header.log_time as f64 * 1e-9, now_s)
                     && state.start_ns.is_some()
@@ -167,7 +167,7 @@ impl Shared {
                     state.begin_anew();
                     state
                         .news
-                        .push(format!("{}: its clock jumped; the flight begins anew", self.name));
+                        .push(format!("{}: its clock jumped; a new flight begins", self.name));
                 }
             }
             Record::Channel(_) => {
@@ -187,7 +187,7 @@ impl Shared {
         state.store(now_s);
     }
 
-    /// Chooses the map by the topics that are known by now.
+    /// Chooses the map by the topics that are known so far.
     fn define(&self, state: &mut State) {
         let topics: Vec<&str> =
             state.definitions.channels.values().map(|channel| channel.topic.as_str()).collect();
@@ -201,7 +201,7 @@ impl Shared {
             state.map = Some((map, name));
         }
         if let Some(collector) = &mut state.collector {
-            // Channels that are open already stay as they are.
+            // The collector skips channels that are already open.
             state.definitions.records(&mut |record| collector.take(record));
             let before = std::mem::take(&mut state.tracks);
             let same = |track: &Track, known: &Track| {
@@ -223,7 +223,7 @@ impl Shared {
         rule.is_some_and(|(_, rule)| !rule.gives.is_empty())
     }
 
-    /// Notes a silence.
+    /// Notes when the stream becomes silent.
     fn look(&self) {
         let now_s = self.now_s();
         let mut state = self.state();
@@ -232,17 +232,21 @@ impl Shared {
             && state.pulse.silent_s(now_s) > SILENT_S + state.pulse.lag_s();
         if silent && !state.silent {
             state.silent = true;
-            state.news.push(format!("{}: silent; nothing is known until it goes on", self.name));
+            state.news.push(format!(
+                "{}: the stream is silent; every value is unknown until the next message",
+                self.name
+            ));
         }
     }
 
-    /// Enough was heard to be judged.
+    /// Whether messages have arrived for long enough to judge the flight.
     pub(super) fn is_ripe(&self) -> bool {
         let now_s = self.now_s();
         self.state().first_heard_s.is_some_and(|first_s| now_s - first_s > JUDGED_AFTER_S)
     }
 
-    /// Says that there is more to know, now and then, as long as the force is unknown.
+    /// Judges the flight again from time to time while its force is unknown, and counts the generation up if the force is known
+    /// now.
     pub(super) fn judge_again(&self) {
         let now_s = self.now_s();
         let mut state = self.state();
@@ -259,7 +263,7 @@ impl Shared {
         }
     }
 
-    /// The last minute as a flight that ends there.
+    /// The last minute of the stream as a flight.
     pub(super) fn judged(&self) -> Option<OpenedFlight> {
         let (gathered, map, map_name, mut survey) = {
             let state = self.state();
@@ -293,14 +297,14 @@ impl Shared {
 }
 
 impl State {
-    /// Everything begins anew: another flight, or a clock that was set.
+    /// Forgets the samples, because another flight began or the clock was set.
     fn begin_anew(&mut self) {
         self.tracks.iter_mut().for_each(|track| track.samples.clear());
         (self.start_ns, self.effort_known) = (None, false);
         self.generation += 1;
     }
 
-    /// Keeps what was decoded, and forgets what is too old.
+    /// Stores the decoded samples, and removes samples that are too old.
     fn store(&mut self, now_s: f64) {
         let Some(collector) = &mut self.collector else { return };
         for (track, samples) in self.tracks.iter_mut().zip(collector.drain()) {
@@ -316,7 +320,7 @@ impl State {
         }
     }
 
-    /// What it is judged by: the last minute.
+    /// The last minute of samples, by which the flight is judged.
     fn gathered(&self) -> Gathered {
         let newest = self.tracks.iter().filter_map(|track| track.samples.last());
         let newest_ns = newest.map(|sample| sample.log_ns).max().unwrap_or(0);

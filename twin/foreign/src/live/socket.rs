@@ -1,6 +1,7 @@
-//! A client of a Foxglove WebSocket server, `foxglove.sdk.v1` or `foxglove.websocket.v1`: what it needs of both is the same.
+//! A client of a Foxglove WebSocket server with sub-protocol `foxglove.sdk.v1` or `foxglove.websocket.v1`. The messages that it
+//! needs are the same in both.
 //!
-//! It subscribes to what the map asks for, and connects again whenever the connection is lost.
+//! It subscribes to the channels that the map asks for, and reconnects whenever the connection is lost.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::net::{TcpStream, ToSocketAddrs};
@@ -19,25 +20,25 @@ use super::Shared;
 /// Sub-protocols in order of preference.
 const PROTOCOLS: &str = "foxglove.sdk.v1, foxglove.websocket.v1";
 
-/// A connection is tried for so long, and again after so long.
+/// Time-out of a connection attempt, and pause before the next attempt.
 const CONNECT: Duration = Duration::from_secs(2);
 const AGAIN: Duration = Duration::from_millis(300);
 
-/// A read waits for so long, then looks whether it should stop.
+/// Time-out of a read; after each the client checks whether it should stop.
 const READ: Duration = Duration::from_millis(100);
 
-/// A connection that says nothing for so long is asked whether it is there.
+/// Reads without data after which the client sends a ping.
 const PING_READS: u32 = 20;
 
-/// A server that has answered nothing, not even that question, for so many reads is gone: a machine that was switched off closes
-/// no connection.
+/// Reads without data, the answer to the ping included, after which the server counts as gone. A machine that was switched off
+/// closes no connection.
 const GONE_READS: u32 = 60;
 
-/// Opcode of a message of a subscription, and the bytes before its content: opcode, subscription, time.
+/// Opcode of a message of a subscription, and the length of its head: opcode, subscription, time.
 const MESSAGE_DATA: u8 = 0x01;
 const DATA_HEAD_BYTES: usize = 1 + 4 + 8;
 
-/// What a server says in JSON, as far as it matters.
+/// The JSON messages of a server that this client needs.
 #[derive(Debug, Deserialize)]
 #[serde(tag = "op", rename_all = "camelCase")]
 enum Said {
@@ -52,7 +53,7 @@ enum Said {
     Else,
 }
 
-/// A channel that a server has.
+/// A channel that the server advertises.
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 struct Advertised {
@@ -66,7 +67,7 @@ struct Advertised {
     schema_encoding: Option<String>,
 }
 
-/// Connects until it is told to stop.
+/// Connects, and reconnects, until it is told to stop.
 pub(super) fn listen(shared: &Shared, url: &str) {
     let mut numbers = Numbers::default();
     while !shared.is_stopped() {
@@ -97,7 +98,7 @@ fn connect(url: &str) -> Result<WebSocket<TcpStream>, String> {
     Ok(socket)
 }
 
-/// Numbers of channels, which stay the same over connections.
+/// Our channel numbers, which stay the same across connections.
 #[derive(Default)]
 struct Numbers {
     by_name: BTreeMap<(String, String, String), u16>,
@@ -111,17 +112,17 @@ impl Numbers {
     }
 }
 
-/// What is subscribed on this connection.
+/// The subscriptions of one connection.
 #[derive(Default)]
 struct Subscribed {
-    /// Number of the channel by subscription.
+    /// Our channel number by subscription.
     channels: BTreeMap<u32, u16>,
-    /// The server's numbers of channels that are subscribed.
+    /// The server's numbers of the subscribed channels.
     known: BTreeSet<u64>,
     offered: Vec<(u64, Channel, String)>,
 }
 
-/// Reads until the connection ends; `Ok` if it was told to stop.
+/// Reads until the connection ends; returns `Ok` if it was told to stop.
 fn read(
     shared: &Shared,
     socket: &mut WebSocket<TcpStream>,
@@ -133,7 +134,7 @@ fn read(
         shared.judge_again();
         match socket.read() {
             Ok(Message::Text(text)) => {
-                // What is not understood says nothing that is needed.
+                // A message that cannot be parsed is none that this client needs.
                 if let Ok(said) = serde_json::from_str::<Said>(&text)
                     && let Some(answer) = subscribed.hear(shared, said, numbers)
                 {
@@ -172,7 +173,7 @@ fn is_timeout(error: &std::io::Error) -> bool {
 }
 
 impl Subscribed {
-    /// Takes what is said in JSON; returns what to answer.
+    /// Takes a JSON message; returns the answer, if it needs one.
     fn hear(&mut self, shared: &Shared, said: Said, numbers: &mut Numbers) -> Option<String> {
         match said {
             Said::Advertise { channels } => {
@@ -201,7 +202,7 @@ impl Subscribed {
             };
             usual.to_owned()
         });
-        // A binary schema comes as base64.
+        // A binary schema is sent as base64.
         let text = match encoding.as_str() {
             "protobuf" | "flatbuffer" => STANDARD.decode(&offered.schema).unwrap_or_default(),
             _ => offered.schema.into_bytes(),
@@ -219,7 +220,7 @@ impl Subscribed {
         self.offered.push((offered.id, channel, offered.schema_name));
     }
 
-    /// Subscriptions to everything that the map asks for and that is not subscribed yet.
+    /// A subscription request for all channels that the map asks for and that are not yet subscribed.
     fn wanted(&mut self, shared: &Shared) -> Option<String> {
         let mut subscriptions = Vec::new();
         for (id, channel, schema) in &self.offered {

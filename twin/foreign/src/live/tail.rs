@@ -1,4 +1,4 @@
-//! An MCAP file that is still being written: its records as they become whole.
+//! An MCAP file that is still being written: reads its records as they become complete.
 
 use std::fs::File;
 use std::io::SeekFrom;
@@ -9,10 +9,11 @@ use super::super::container::{CHUNK, DATA_END, FOOTER, HEAD_BYTES, LONGEST_RECOR
 use super::super::table::{Input, read_at};
 use super::Shared;
 
-/// A file that did not grow is looked at again after so long.
+/// Pause before a file that did not grow is checked again.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Reads `path` from its start to its end and on as it grows; a file that is replaced or made shorter is read anew.
+/// Reads `path` from its start and continues as it grows. A file that is replaced or becomes shorter is read from its start
+/// again.
 pub(super) fn follow(shared: &Shared, path: &Path) {
     while !shared.is_stopped() {
         match File::open(path) {
@@ -28,7 +29,7 @@ pub(super) fn follow(shared: &Shared, path: &Path) {
     }
 }
 
-/// Reads until it is told to stop, or the file ends for good or is no longer what it was.
+/// Reads until it is told to stop, the recorder closes the file, or the file becomes shorter.
 fn read(shared: &Shared, file: &mut dyn Input) -> Result<(), String> {
     let mut at = 0;
     loop {
@@ -56,7 +57,7 @@ fn read(shared: &Shared, file: &mut dyn Input) -> Result<(), String> {
         if matches!(head[0], DATA_END | FOOTER) {
             return ended(shared, file, length);
         }
-        // A recorder that fills in the length of a chunk when it closes it has zero there until then.
+        // Some recorders write zero as the length of a chunk and fill it in when they close the chunk.
         if body > LONGEST_RECORD_BYTES || body == 0 || length < at + HEAD_BYTES as u64 + body {
             shared.pause(LOOK);
             continue;
@@ -73,14 +74,14 @@ fn read(shared: &Shared, file: &mut dyn Input) -> Result<(), String> {
     }
 }
 
-/// The recorder closed the file: nothing more comes, unless it is written anew.
+/// Waits after the recorder closed the file: no record follows, unless the recorder starts the file again.
 fn ended(shared: &Shared, file: &mut dyn Input, length: u64) -> Result<(), String> {
     shared.is_lost("the recorder closed the file");
     while !shared.is_stopped() {
         shared.pause(LOOK * 10);
         let now = file.seek(SeekFrom::End(0)).map_err(|error| error.to_string())?;
         if now < length {
-            return Err("it is written anew".to_owned());
+            return Err("the recorder started the file again".to_owned());
         }
     }
     Ok(())

@@ -1,4 +1,4 @@
-//! Events that must happen or must not, within a time, after another.
+//! Checks that an event happens or does not happen, within a time and after another event.
 
 use std::fmt::Write;
 
@@ -7,35 +7,35 @@ use serde::{Deserialize, Serialize};
 use super::{Broken, CheckError};
 use twin_core::tick::{EventKind, Tick};
 
-/// What is demanded of the events of a flight.
+/// A demand on the events of a flight.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EventCheck {
     /// Kind of the event.
     pub kind: EventKind,
-    /// Part of its sentence; any if absent.
+    /// A text that the sentence of the event must contain; without it any sentence counts.
     pub text: Option<String>,
-    /// Whether it must happen.
+    /// Whether the event must happen or must not happen.
     #[serde(default)]
     pub must: Must,
-    /// Only from this time on, s.
+    /// Start of the time in which the event counts, s; the start of the flight if absent.
     pub from_s: Option<f64>,
-    /// At the latest at this time, s.
+    /// End of the time in which the event counts, s; the end of the flight if absent.
     pub by_s: Option<f64>,
-    /// Only after the first event of this kind …
+    /// Only events after the first event of this kind count …
     pub after: Option<EventKind>,
-    /// … whose sentence has this part.
+    /// … whose sentence contains this text.
     pub after_text: Option<String>,
 }
 
-/// Whether an event must happen.
+/// Whether an event must happen or must not happen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Must {
-    /// At least once.
+    /// The event must happen at least once.
     #[default]
     Happen,
-    /// Never.
+    /// The event must never happen.
     NotHappen,
 }
 
@@ -57,7 +57,7 @@ pub(crate) fn validate(checks: &[EventCheck]) -> Result<(), CheckError> {
     Ok(())
 }
 
-/// The events so far and what is demanded of them.
+/// The events so far, and the checks on them.
 pub(super) struct Events {
     checks: Vec<EventCheck>,
     seen: Vec<(f64, EventKind, String)>,
@@ -81,7 +81,7 @@ impl Events {
 }
 
 impl EventCheck {
-    /// That an event of this kind happens.
+    /// A check that an event of this kind happens.
     pub(crate) fn of(kind: EventKind) -> Self {
         Self {
             kind,
@@ -159,7 +159,7 @@ impl EventCheck {
     }
 }
 
-/// The word of a kind in a scenario.
+/// Name of a kind in a scenario.
 fn word(kind: EventKind) -> String {
     format!("{kind:?}").to_lowercase()
 }

@@ -1,7 +1,8 @@
-//! What a scenario demands of its flight tick by tick: signals within limits over a window, events that happen or do not.
+//! The checks of a scenario on its flight, tick by tick: signals within limits over a window, and events that happen or do not
+//! happen.
 //!
-//! In: the `[[checks]]` and `[[expect.events]]` of a scenario, then every [`Tick`]. Out: what does not hold, each with the
-//! second from which it could no longer hold. State: the samples of each window and the events so far.
+//! In: the `[[checks]]` and `[[expect.events]]` of a scenario, then every [`Tick`]. Out: the broken checks, each with the second
+//! from which it could no longer be met. State: the samples of each window and the events so far.
 
 mod signals;
 mod statistic;
@@ -19,22 +20,22 @@ pub use statistic::Statistic;
 use events::Events;
 use twin_core::tick::Tick;
 
-/// Limits of a statistic of one signal over the ticks of a window.
+/// Limits on a statistic of one signal over the ticks of a window.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Check {
-    /// Which signal; [`signal_names`] lists them.
+    /// Name of the signal; [`signal_names`] lists all names.
     pub signal: String,
-    /// Which number of its samples is limited.
+    /// The statistic that is limited.
     #[serde(default)]
     pub statistic: Statistic,
-    /// Which quantile, 0 to 1; needed by that statistic.
+    /// The quantile, 0 to 1, if the statistic is `quantile`.
     pub quantile: Option<f64>,
-    /// Only ticks in this phase of the task; all if absent.
+    /// Phase of the task whose ticks count; all phases if absent.
     pub phase: Option<String>,
-    /// Only ticks from this time on, s.
+    /// Start of the window, s; the start of the flight if absent.
     pub from_s: Option<f64>,
-    /// Only ticks up to this time, s.
+    /// End of the window, s; the end of the flight if absent.
     pub to_s: Option<f64>,
     /// Largest allowed value.
     pub max: Option<f64>,
@@ -42,20 +43,20 @@ pub struct Check {
     pub min: Option<f64>,
 }
 
-/// Something a scenario demands and its flight did not keep.
+/// A demand of a scenario that its flight did not meet.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Broken {
-    /// Metric, signal, `verdict`, the kind of an event or `state_hash`.
+    /// Name of the metric or signal, `verdict`, the kind of an event, or `state_hash`.
     pub name: String,
-    /// The same with statistic and window, for people.
+    /// The demand in words, with its statistic and window.
     pub what: String,
-    /// The number found, if it is one.
+    /// The value that was found, if it is a number.
     pub value: Option<f64>,
-    /// What was found, for people.
+    /// The value that was found, in words.
     pub found: String,
-    /// What is allowed.
+    /// The allowed values, in words.
     pub allowed: String,
-    /// The second of the flight from which it could no longer hold.
+    /// Second of the flight from which the demand could no longer be met.
     pub at_s: f64,
 }
 
@@ -66,20 +67,20 @@ impl std::fmt::Display for Broken {
     }
 }
 
-/// What is wrong with a check as written.
+/// A check that cannot be used as it is written.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{reason}")]
 pub struct CheckError {
-    /// Dotted key.
+    /// Dotted key of the check.
     pub key: String,
-    /// What was found and what is allowed.
+    /// The value that was found, and the allowed values.
     pub reason: String,
 }
 
-/// Refuses checks that could not be judged or could not fail.
+/// Refuses checks that could never be judged or could never fail.
 ///
 /// # Errors
-/// [`CheckError`] for an unknown signal, a quantile that is missing or unused, no limit, limits or a window the wrong way round.
+/// [`CheckError`] for an unknown signal, a missing or unused quantile, a missing limit, or limits or a window in the wrong order.
 pub(super) fn validate(checks: &[Check]) -> Result<(), CheckError> {
     for (index, check) in checks.iter().enumerate() {
         let refuse = |key: &str, reason: String| {
@@ -94,7 +95,8 @@ pub(super) fn validate(checks: &[Check]) -> Result<(), CheckError> {
         }
         let wants = check.statistic == Statistic::Quantile;
         if wants != check.quantile.is_some() {
-            let reason = "belongs to statistic = \"quantile\" and to no other, 0.0..=1.0";
+            let reason =
+                "statistic = \"quantile\" needs it, 0.0..=1.0, and no other statistic takes it";
             return refuse("quantile", reason.to_owned());
         }
         if check.max.is_none() && check.min.is_none() {
@@ -112,7 +114,7 @@ pub(super) fn validate(checks: &[Check]) -> Result<(), CheckError> {
     Ok(())
 }
 
-/// Watches the checks of one flight.
+/// The state of the checks of one flight.
 pub struct Checks {
     windows: Vec<Window>,
     events: Events,
@@ -122,12 +124,12 @@ pub struct Checks {
 struct Window {
     check: Check,
     read: signals::Read,
-    /// `(t_s, value)`.
+    /// Samples as `(t_s, value)`: time in s, value in the unit of the signal.
     samples: Vec<(f64, f64)>,
 }
 
 impl Checks {
-    /// These checks and events; a check of no known signal is left out.
+    /// The state of these checks at the start of a flight; a check of an unknown signal is skipped.
     pub fn new(checks: &[Check], events: &[EventCheck]) -> Self {
         let window = |check: &Check| {
             let read = signals::find(&check.signal)?;
@@ -140,7 +142,7 @@ impl Checks {
         }
     }
 
-    /// Takes a tick into account.
+    /// Adds a tick.
     pub fn add(&mut self, tick: &Tick) {
         let t_s = tick.measurement.t_s;
         self.last_s = t_s;
@@ -156,7 +158,7 @@ impl Checks {
         }
     }
 
-    /// What does not hold, in the order of the scenario: checks, then events.
+    /// The broken checks in the order of the scenario: first `checks`, then `events`.
     pub fn finish(self) -> Vec<Broken> {
         let last_s = self.last_s;
         let mut broken: Vec<Broken> =
@@ -166,7 +168,7 @@ impl Checks {
     }
 }
 
-/// The value of a signal at a tick; nothing if it has none, or if no signal is called so.
+/// The value of a signal at a tick; `None` if the tick has no value or the signal is unknown.
 pub(super) fn signal(name: &str, tick: &Tick) -> Option<f64> {
     signals::find(name).and_then(|read| read(tick))
 }
@@ -177,7 +179,7 @@ impl Window {
         let quantile = quantile.unwrap_or(1.0);
         let found = statistic.value(&self.samples, quantile);
         let breach = match found {
-            // A window without a tick proves nothing, so it counts as broken.
+            // A window without a tick proves nothing, so the check counts as broken.
             None => Some(last_s),
             Some(_) => statistic.breach(&self.samples, quantile, *min, *max),
         };
@@ -214,7 +216,7 @@ impl Check {
     }
 }
 
-/// `min..=max` in words.
+/// The range from `min` to `max` in words.
 pub(super) fn range(min: Option<f64>, max: Option<f64>) -> String {
     match (min, max) {
         (Some(min), Some(max)) => format!("{min} to {max}"),

@@ -1,21 +1,21 @@
-//! One number of the samples of a window, and the instant from which it could no longer keep its limits.
+//! Statistics of the samples of a window, and the time from which a statistic could no longer keep its limits.
 
 use serde::{Deserialize, Serialize};
 
-/// Which number of the samples is limited.
+/// A statistic of samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Statistic {
-    /// The largest.
+    /// The largest sample.
     #[default]
     Max,
-    /// The smallest.
+    /// The smallest sample.
     Min,
-    /// Root of the mean of squares.
+    /// The root of the mean of the squares.
     Rms,
-    /// The sample below which a share of all lies (nearest rank).
+    /// The sample below which a share of all samples lies (nearest rank).
     Quantile,
-    /// The last.
+    /// The last sample.
     Final,
 }
 
@@ -30,7 +30,7 @@ impl Statistic {
         }
     }
 
-    /// The number; `None` without samples, NaN if a sample is NaN.
+    /// Value of the statistic; `None` without samples, NaN if a sample is NaN.
     pub(super) fn value(self, samples: &[(f64, f64)], quantile: f64) -> Option<f64> {
         let (_, last) = *samples.last()?;
         let values = || samples.iter().map(|(_, value)| *value);
@@ -50,7 +50,7 @@ impl Statistic {
         })
     }
 
-    /// The time of the sample from which the limits could no longer be kept, whatever came after; `None` if they are kept.
+    /// Time of the sample from which no later sample could have kept the limits, s; `None` if the limits are kept.
     pub(super) fn breach(
         self,
         samples: &[(f64, f64)],
@@ -100,7 +100,7 @@ impl Statistic {
     }
 }
 
-/// Index of the quantile in `count` sorted samples.
+/// Index of the quantile among `count` sorted samples.
 fn rank(count: usize, quantile: f64) -> usize {
     ((count.saturating_sub(1)) as f64 * quantile.clamp(0.0, 1.0)).round() as usize
 }
@@ -138,10 +138,10 @@ mod tests {
         let at = |statistic: Statistic, q, max| statistic.breach(&samples, q, None, Some(max));
         assert_eq!(at(Statistic::Max, 1.0, 5.0), Some(2.0));
         assert_eq!(at(Statistic::Max, 1.0, 7.0), None);
-        // Four fifths may lie below 5: the median does, the 0.75 quantile (rank 3 of 0..=4) needs two above.
+        // Four fifths may lie below 5. The median does; the 0.75 quantile (rank 3 of 0..=4) needs two samples above.
         assert_eq!(at(Statistic::Quantile, 0.5, 5.0), None);
         assert_eq!(at(Statistic::Quantile, 0.75, 5.0), Some(3.0));
-        // 3² × 5 = 45: 1 + 1 + 36 = 38 fits, with 49 more it does not.
+        // The limit 3² × 5 = 45 allows 1 + 1 + 36 = 38, but not 49 more.
         assert_eq!(at(Statistic::Rms, 1.0, 3.0), Some(3.0));
         assert_eq!(at(Statistic::Final, 1.0, 0.5), Some(4.0));
         assert_eq!(Statistic::Max.breach(&samples, 1.0, Some(9.0), None), Some(4.0));
@@ -162,7 +162,7 @@ mod tests {
                 let value = statistic.value(&samples, quantile).unwrap();
                 let at = statistic.breach(&samples, quantile, Some(min), Some(max));
                 prop_assert_eq!(at.is_some(), !(min..=max).contains(&value), "{:?}", statistic);
-                // Up to there the bound could still have been kept by samples of 0, if it lets 0 pass.
+                // Before that time samples of 0 could still have kept the bound, if the bound allows 0.
                 if let (Some(at), Statistic::Max | Statistic::Quantile | Statistic::Rms) = (at, statistic)
                     && value > max
                 {

@@ -100,7 +100,7 @@ fn read(text: &str, overrides: &[&str]) -> Result<Scenario, ScenarioError> {
     read_text(text, Path::new("scenarios/test.toml"), DEFAULTS, &overrides)
 }
 
-/// The whole message, which a person reads.
+/// The whole message of a refusal.
 fn refused(text: &str, overrides: &[&str]) -> String {
     let error = read(text, overrides).expect_err(text).to_string();
     assert!(!error.ends_with('.') && !error.ends_with(' '), "{error}");

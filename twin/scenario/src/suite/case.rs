@@ -1,39 +1,39 @@
-//! One flight to make, and which of many.
+//! One flight of a run, and the part of a run that a shard flies.
 
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-/// One flight to make.
+/// One flight of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Case {
-    /// Its place among all cases, those of other shards among them.
+    /// Index among all cases of the run, those of other shards included.
     pub index: usize,
-    /// What it is called in reports; no two cases of a run share a name.
+    /// Name in reports; it is unique in a run.
     pub name: String,
     /// Scenario file.
     pub file: PathBuf,
-    /// `key=value` overrides, the seed among them.
+    /// Overrides `key=value`; the seed is one of them.
     pub overrides: Vec<String>,
-    /// Which sample of which sweep it is.
+    /// Its sample, if the case belongs to a sweep.
     pub sample: Option<Sample>,
 }
 
-/// One flight of a sweep.
+/// One sample of a sweep.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sample {
     /// Name of the sweep.
     pub sweep: String,
-    /// Value of each of its keys.
+    /// Value of each key of the sweep, in the order of the keys.
     pub values: Vec<f64>,
 }
 
-/// A part of the cases: every `of`-th, from the `index`-th on, counted from 1.
+/// A part of the cases: every `of`-th case from the `index`-th on, counted from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Shard {
-    /// Which, `1..=of`.
+    /// Number of the shard, `1..=of`.
     pub index: usize,
-    /// How many there are.
+    /// Number of shards.
     pub of: usize,
 }
 

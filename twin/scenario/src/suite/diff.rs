@@ -1,4 +1,4 @@
-//! Where two recorded flights part: the first tick and channel that differ, and the largest difference of every channel.
+//! Finds where two recorded flights diverge: the first tick and channel that differ, and the largest difference of every channel.
 
 use std::collections::BTreeMap;
 
@@ -7,49 +7,49 @@ use serde_json::Value;
 
 use twin_core::tick::Tick;
 
-/// How two flights differ.
+/// The differences between two flights.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Difference {
-    /// Ticks compared, those both have.
+    /// Number of ticks that both flights have.
     pub compared: usize,
-    /// Ticks of each flight.
+    /// Number of ticks of each flight.
     pub ticks: [usize; 2],
-    /// Ticks that are not equal.
+    /// Number of ticks that are not equal.
     pub unequal: usize,
-    /// Where they part.
+    /// The first difference.
     pub first: Option<Parting>,
-    /// Per channel its largest difference, largest first; words (phase, events) count as 1.
+    /// The largest difference per channel, largest first. A different word (phase, event) counts as 1.
     pub channels: Vec<Channel>,
 }
 
-/// The first difference.
+/// The first difference between two flights.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Parting {
     /// Index of the tick.
     pub tick: u64,
     /// Its time in the first flight, s.
     pub t_s: f64,
-    /// The first channel of it, in the order of the loop: measured before commanded.
+    /// The first channel that differs at this tick, in the order of the loop (measured before commanded).
     pub channel: String,
-    /// What both flights have there.
+    /// The values of both flights.
     pub values: [String; 2],
 }
 
-/// The largest difference of a channel.
+/// The largest difference of one channel.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Channel {
-    /// Dotted path in the tick.
+    /// Dotted path of the channel in the tick.
     pub channel: String,
     /// Largest absolute difference.
     pub largest: f64,
-    /// When, s.
+    /// Time of that difference, s.
     pub at_s: f64,
-    /// What both flights have there.
+    /// The values of both flights.
     pub values: [String; 2],
 }
 
 impl Difference {
-    /// The same ticks to the last bit.
+    /// True if both flights have the same ticks to the last bit.
     pub fn none(&self) -> bool {
         self.unequal == 0 && self.ticks[0] == self.ticks[1]
     }
@@ -71,7 +71,7 @@ pub fn diff(a: &[Tick], b: &[Tick]) -> Difference {
         for (name, [left, right]) in stages(left, right) {
             walk(name.to_owned(), &left, &right, &mut differing);
         }
-        // Two NaN are unequal numbers but no difference.
+        // Two NaN are unequal as numbers, but do not count as a difference.
         if differing.is_empty() {
             continue;
         }
@@ -98,7 +98,7 @@ pub fn diff(a: &[Tick], b: &[Tick]) -> Difference {
     found
 }
 
-/// The parts of both ticks in the order of the loop.
+/// The parts of both ticks, in the order of the loop.
 fn stages(a: &Tick, b: &Tick) -> Vec<(&'static str, [Value; 2])> {
     fn pair<T: Serialize>(a: &T, b: &T) -> [Value; 2] {
         [a, b].map(|part| serde_json::to_value(part).unwrap_or_default())
@@ -123,7 +123,7 @@ fn stages(a: &Tick, b: &Tick) -> Vec<(&'static str, [Value; 2])> {
 
 type Leaf = (String, f64, [String; 2]);
 
-/// Collects the leaves that differ, by their path.
+/// Collects the leaves that differ, with their paths.
 fn walk(path: String, a: &Value, b: &Value, into: &mut Vec<Leaf>) {
     match (a, b) {
         (Value::Array(x), Value::Array(y)) if x.len() == y.len() => {

@@ -1,7 +1,7 @@
-//! Results as `JUnit` XML: `failure` is a demand of the scenario that is broken, `error` a flight that could not be made.
+//! Results as `JUnit` XML: a `failure` is a broken demand of the scenario, an `error` is a flight that could not be flown.
 //!
-//! Of the schemas in use the strictest is followed (junit-10.xsd of the Jenkins xUnit plugin, which pytest follows too): it
-//! lets only a suite have properties, so every case is a suite of its own.
+//! The output follows the strictest schema in use (junit-10.xsd of the Jenkins xUnit plugin, which pytest follows too). That
+//! schema allows properties only on suites, so every case is a suite of its own.
 
 use std::time::Duration;
 
@@ -13,8 +13,8 @@ use quick_junit::{
 use super::{CaseResult, Outcome, SuiteReport, SweepReport};
 use crate::Report;
 
-/// The results, a suite per case. One that was flown has its seed, state hash, verdict and metrics as properties; the
-/// message of a failure names metric, value, bound and second. A sweep is one case; its samples are in its output.
+/// The results, one suite per case. A flown case has its seed, state hash, verdict and metrics as properties; the message of a
+/// failure names metric, value, bound and second. A sweep is one case, whose output lists its samples.
 ///
 /// # Errors
 /// [`SerializeError`] if the XML cannot be written.
@@ -29,7 +29,7 @@ pub fn xml(report: &SuiteReport) -> Result<String, SerializeError> {
         suite.add_property(("git", report.git.as_str()));
     }
     let text = document.to_string()?;
-    // The library counts skipped cases on the root as well, where the schema has no such attribute.
+    // The library also counts skipped cases on the root, where the schema has no such attribute.
     let (head, root) = text.split_once("<testsuites").unwrap_or((&text, ""));
     let (root, rest) = root.split_once('>').unwrap_or((root, ""));
     let root: Vec<&str> = root.split(' ').filter(|part| !part.starts_with("skipped=")).collect();

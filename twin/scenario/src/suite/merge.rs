@@ -1,68 +1,68 @@
-//! The reports of shards put together again.
+//! Merges the reports of shards into one.
 
 use super::SuiteReport;
 use super::run::compare_repeats;
 
-/// Why reports do not make a whole.
+/// Why reports cannot be merged.
 #[derive(Debug, thiserror::Error)]
 pub enum MergeError {
-    /// There is none.
+    /// There is no report.
     #[error("no report is given, expected the --json output of every shard")]
     Nothing,
-    /// They are of different programs.
+    /// Different programs made the reports.
     #[error(
         "{file}: made by {found}, the first report by {expected}; fly all shards with the same program"
     )]
     Program {
-        /// The report.
+        /// Name of the report.
         file: String,
-        /// Version and commit.
+        /// Version and commit of its program.
         found: String,
-        /// Those of the first report.
+        /// Version and commit of the first report's program.
         expected: String,
     },
-    /// They are of different runs.
+    /// The reports belong to different runs.
     #[error(
-        "{file}: is of a run of {found} flights with its own sweeps, the first report of one of {expected}; give every shard the same files and flags"
+        "{file}: belongs to a run of {found} flights, the first report to a run of {expected}, or the sweeps differ; give every shard the same files and flags"
     )]
     Run {
-        /// The report.
+        /// Name of the report.
         file: String,
-        /// Flights of its run.
+        /// Number of flights in its run.
         found: usize,
-        /// Flights of the first report's run.
+        /// Number of flights in the first report's run.
         expected: usize,
     },
-    /// A flight is in two of them.
+    /// Two reports contain the same flight.
     #[error(
         "{file}: has flight {index} ({name}), which another report has too; give each shard once"
     )]
     Twice {
-        /// The report.
+        /// Name of the report.
         file: String,
-        /// Number of the flight.
+        /// Index of the flight.
         index: usize,
-        /// Its name.
+        /// Name of the flight.
         name: String,
     },
-    /// A flight is in none of them.
+    /// No report contains a flight of the run.
     #[error(
         "{missing} of {total} flights are in no report, the first is number {index}; give the reports of all shards"
     )]
     Missing {
-        /// How many.
+        /// Number of missing flights.
         missing: usize,
-        /// Of how many.
+        /// Number of flights in the run.
         total: usize,
-        /// The first of them.
+        /// Index of the first missing flight.
         index: usize,
     },
 }
 
-/// The report of the whole run out of those of its shards, each with the name of its file.
+/// The report of the whole run, merged from the reports of its shards; each comes with the name of its file.
 ///
 /// # Errors
-/// [`MergeError`] if they are not all the shards of one run.
+/// [`MergeError`] if the reports are not those of all shards of one run.
 pub fn merge(shards: Vec<(String, SuiteReport)>) -> Result<SuiteReport, MergeError> {
     let (_, first) = shards.first().ok_or(MergeError::Nothing)?;
     let (version, git, total) = (first.version.clone(), first.git.clone(), first.total);

@@ -1,9 +1,9 @@
-//! What is wrong with a flight, in words that lead to the evidence.
+//! The message on a failed flight, which leads to its evidence.
 
 use super::{CaseResult, Outcome};
 
 impl CaseResult {
-    /// What is wrong, a line each, the first line first to read; empty if nothing is.
+    /// The reasons of a failure, one a line, the most important first; empty if the case passed.
     pub fn message(&self) -> String {
         let mut lines: Vec<String> = match &self.outcome {
             Outcome::NotRun => Vec::new(),
@@ -25,7 +25,7 @@ impl CaseResult {
         lines.join("\n")
     }
 
-    /// The command that flies this case again.
+    /// The command that repeats the flight of this case.
     fn again(&self) -> String {
         let set = self.case.overrides.iter().map(|text| format!(" --set {text}"));
         format!("again: twin fly {}{}", self.case.file.display(), set.collect::<String>())

@@ -1,8 +1,8 @@
-//! Scenarios as tests: which flights to make, making them side by side, and what is handed to people and to a CI.
+//! Scenarios as tests: selects the flights, flies them in parallel, and reports the results to people and to CI systems.
 //!
-//! In: files, folders and patterns. Out: a [`SuiteReport`] with a [`CaseResult`] per flight in the order of the cases, whatever
-//! the number of threads or shards; `JUnit` XML; a page; of each flight that failed its recording and a page, which the caller
-//! makes. Also the comparison of two recordings.
+//! In: files, folders and patterns. Out: a [`SuiteReport`] with a [`CaseResult`] per flight, in the order of the cases whatever
+//! the number of threads or shards; `JUnit` XML; a page; for each failed flight its recording and a replay page, which the caller
+//! makes. The module also compares two recordings.
 
 mod case;
 mod result;

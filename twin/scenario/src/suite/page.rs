@@ -1,4 +1,5 @@
-//! The results as one page: what failed and why with links to its replay, sweeps with their picture, then everything.
+//! The results as one HTML page: failures with their reasons and links to their replays, sweeps with their pictures, then all
+//! cases.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -14,7 +15,7 @@ td.n{text-align:right}pre{margin:2px 0 0;white-space:pre-wrap;font:12px/1.4 ui-m
 .tally b{font-size:20px;margin-right:4px}.tally span{margin-right:22px}
 ";
 
-/// The page; links to replays are relative to `folder`, where it will lie. `wall_s` is how long the run took.
+/// The page. Links to replays are relative to `folder`, the folder of the page. `wall_s` is the duration of the run, s.
 pub fn html(report: &SuiteReport, folder: &Path, wall_s: f64) -> String {
     let mut body = "<h1>twin test</h1>".to_owned();
     tally(&mut body, report, wall_s);
@@ -113,7 +114,7 @@ fn row(page: &mut String, result: &CaseResult, folder: &Path) {
     let _ = write!(page, "</td>{cells}</tr>");
 }
 
-/// `file` as a link from a page in `folder`: relative, so that both can move together.
+/// `file` as a relative link from a page in `folder`, so that both can be moved together.
 fn relative(file: &Path, folder: &Path) -> String {
     let plain = |path: &Path| {
         let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };

@@ -1,5 +1,4 @@
-//! The picture of a sweep: every sample at its first two values, those that succeed and those that fail told apart by shape
-//! and colour.
+//! The picture of a sweep: every sample at the values of its first two keys. Shape and colour distinguish success from failure.
 
 use plotters::prelude::*;
 
@@ -9,24 +8,24 @@ use crate::plot;
 const SUCCESS: RGBColor = plot::GREEN;
 const FAILURE: RGBColor = plot::VERMILION;
 
-/// Margin on each side, as a part of the range of the values.
+/// Margin on each side, as a share of the range of the values.
 const MARGIN: f64 = 0.05;
 
-/// Part of the height that is kept free for the legend.
+/// Share of the height that stays free for the legend.
 const LEGEND: f64 = 0.18;
 
-/// Smallest range of an axis: a swept value that stays the same is still drawn with a margin.
+/// Smallest range of an axis, so that a constant value has a margin too.
 const LEAST_RANGE: f64 = 2e-5;
 
-/// A sample's place in the picture.
+/// The position of a sample in the picture.
 struct Dot {
     x: f64,
     y: f64,
     passed: bool,
 }
 
-/// The picture of a sweep as SVG; nothing for a sweep without a flight. With one key the second axis is the number of the
-/// sample; keys beyond the second are not shown.
+/// The picture of a sweep as SVG; `None` if no sample was flown. If the sweep has one key, the second axis is the number of the
+/// sample. The picture does not show keys beyond the second.
 pub(super) fn svg(report: &SuiteReport, sweep: &SweepReport) -> Option<String> {
     let flown = report.samples_of(&sweep.plan.name).filter(|result| result.report().is_some());
     let dots: Vec<Dot> = flown.enumerate().filter_map(dot).collect();

@@ -1,4 +1,4 @@
-//! From what was asked for to the list of flights.
+//! Turns a selection into the list of flights.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -6,73 +6,74 @@ use std::path::{Path, PathBuf};
 use super::case::{Case, Shard};
 use super::sweep::{self, SweepPlan};
 
-/// Everything that is to be flown.
+/// The flights of a run, or of one shard of it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Plan {
     /// The flights of this shard.
     pub cases: Vec<Case>,
-    /// The sweeps that samples belong to.
+    /// The sweeps to which samples belong.
     pub sweeps: Vec<SweepPlan>,
-    /// Flights of all shards.
+    /// Number of flights of all shards.
     pub total: usize,
-    /// Which part of them this is.
+    /// The shard, if this is a part of a run.
     pub shard: Option<Shard>,
 }
 
-/// Which flights are asked for.
+/// A selection of flights.
 #[derive(Clone, Debug, Default)]
 pub struct Selection {
     /// Scenario files, folders of them, and patterns such as `scenarios/fault_*.toml`.
     pub paths: Vec<String>,
-    /// Seeds of each scenario; its own if empty. A sweep keeps its own.
+    /// Seeds for each scenario; if empty, the scenario's own seed. A sweep keeps its own seed.
     pub seeds: Vec<u64>,
-    /// How often each flight but those of a sweep is repeated; its state hash must be the same every time.
+    /// Number of repetitions of each flight outside of sweeps; every repetition must give the same state hash.
     pub iterations: usize,
-    /// Only cases whose name has this part.
+    /// Text that the name of a case must contain.
     pub filter: Option<String>,
-    /// Only this part of what is left.
+    /// The shard to fly.
     pub shard: Option<Shard>,
-    /// `key=value` overrides of every scenario.
+    /// Overrides `key=value` for every scenario.
     pub overrides: Vec<String>,
 }
 
-/// Why there is nothing to fly.
+/// Why a selection contains no flight.
 #[derive(Debug, thiserror::Error)]
 pub enum SelectionError {
-    /// A pattern that cannot be one.
+    /// A pattern is malformed.
     #[error("{pattern:?}: {reason}; expected a file, a folder, or a pattern with *, ? and [..]")]
     Pattern {
-        /// As given.
+        /// The pattern as given.
         pattern: String,
-        /// What is wrong with it.
+        /// The error in it.
         reason: String,
     },
-    /// A path that leads nowhere.
+    /// A path matches no scenario.
     #[error(
-        "{path:?}: no scenario found; expected a .toml file, a folder that has some, or a pattern that meets one"
+        "{path:?}: no scenario found; expected a .toml file, a folder that has some, or a pattern that matches one"
     )]
     Nothing {
-        /// As given.
+        /// The path as given.
         path: String,
     },
-    /// The filter leaves nothing.
+    /// The filter matches no case.
     #[error(
         "--filter {filter:?}: none of the {count} cases has it in its name; the first is {first:?}"
     )]
     Filter {
-        /// As given.
+        /// The filter as given.
         filter: String,
-        /// How many cases there are.
+        /// Number of cases before the filter.
         count: usize,
-        /// One of them.
+        /// Name of the first case.
         first: String,
     },
 }
 
-/// The flights of `selection` in a fixed order: files as given, those of a folder or pattern by name, then seeds, then repeats.
+/// The flights of `selection` in a fixed order: files as given, files of a folder or pattern by name, then seeds, then
+/// repetitions.
 ///
 /// # Errors
-/// [`SelectionError`] if a path, pattern or filter meets nothing. An empty shard is no error.
+/// [`SelectionError`] if a path, pattern or filter matches nothing. An empty shard is no error.
 pub fn plan(selection: &Selection) -> Result<Plan, SelectionError> {
     let mut files = Vec::new();
     for path in &selection.paths {
@@ -120,7 +121,7 @@ pub fn plan(selection: &Selection) -> Result<Plan, SelectionError> {
     Ok(Plan { cases, sweeps, total, shard: selection.shard })
 }
 
-/// The file's name without its ending; two files of one name in different folders keep their folder.
+/// Name of the file without its extension; files of the same name in different folders keep the folder in their name.
 fn name(file: &Path, files: &[PathBuf]) -> String {
     let stem = |file: &Path| file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let alone = files.iter().filter(|other| stem(other) == stem(file)).count() == 1;
@@ -150,7 +151,7 @@ fn flights(file: &Path, name: &str, selection: &Selection) -> Vec<Case> {
     cases
 }
 
-/// Scenario files at `path`; the defaults are no scenario.
+/// Scenario files at `path`, without the defaults, which are no scenario.
 fn scenarios(path: &str) -> Result<Vec<PathBuf>, SelectionError> {
     let nothing = || SelectionError::Nothing { path: path.to_owned() };
     let named = Path::new(path);

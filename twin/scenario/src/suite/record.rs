@@ -1,5 +1,4 @@
-//! The evidence of a failure: the same flight once more, recorded. A flight is its seed, so it need not be recorded while it
-//! is not known to fail.
+//! Records a failed flight by flying it again. The seed determines the flight, so no flight needs to be recorded before it fails.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -8,24 +7,24 @@ use crate::golden::{GoldenSettings, GoldenWriter};
 use crate::{BuildError, Report, Scenario, fly};
 use twin_record::{Recorder, RecordingEnd, RecordingError};
 
-/// Why there is no recording.
+/// Why a flight cannot be recorded.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum RecordError {
-    /// The flight cannot be put together.
+    /// The flight cannot be assembled.
     #[error(transparent)]
     Build(#[from] BuildError),
-    /// The gains are not valid.
+    /// A gain is not valid.
     #[error(transparent)]
     Tuning(#[from] twin_core::tuning::TuningError),
     /// The file cannot be written.
     #[error(transparent)]
     Recording(#[from] RecordingError),
-    /// The folder cannot be made.
+    /// The folder cannot be created.
     #[error("{folder}: cannot make the folder: {reason}; choose another with --artifacts")]
     Folder {
         /// The folder.
         folder: String,
-        /// The system's words.
+        /// The error of the system.
         reason: String,
     },
     /// The golden run cannot be stored.
@@ -33,17 +32,17 @@ pub(super) enum RecordError {
     Golden {
         /// The file.
         file: String,
-        /// The system's words.
+        /// The error of the system.
         reason: String,
     },
-    /// The flight is not the same twice.
+    /// The second flight differs from the first.
     #[error(
-        "flown again the state hash is {found}, it was {expected}: the flight is not deterministic"
+        "the second flight has the state hash {found}, the first had {expected}: the flight is not deterministic"
     )]
     Differs {
-        /// Of this time.
+        /// State hash of the second flight.
         found: String,
-        /// Of the first time.
+        /// State hash of the first flight.
         expected: String,
     },
 }
@@ -68,7 +67,7 @@ pub(super) fn golden(
     Ok(report)
 }
 
-/// Flies `scenario`, whose first flight came to `report`, again and records it at `path`.
+/// Flies `scenario` again and records it at `path`; `report` is the report of its first flight.
 pub(super) fn flown_again(
     scenario: &Scenario,
     report: &Report,

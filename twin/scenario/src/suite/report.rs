@@ -1,7 +1,7 @@
-//! What a run came to, as it is handed from a shard to whoever merges, and to people.
+//! The report of a run. A shard hands it to the merge, and people read it.
 //!
-//! In: a plan and its results. Out: counts, sweeps, shares. Everything but wall-clock times is the same for the same flights,
-//! however many jobs or shards flew them.
+//! In: a plan and its results. Out: counts, sweeps, shares. Everything except wall-clock times is the same for the same flights,
+//! whatever the number of jobs or shards.
 
 use std::collections::BTreeMap;
 
@@ -14,46 +14,46 @@ use super::share::wilson_95;
 use super::sweep::{SweepPlan, SweepReport};
 use twin_record::program;
 
-/// A run, or the part of one that a shard flew.
+/// The report of a run, or of the part that one shard flew.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SuiteReport {
     /// Version of the program.
     pub version: String,
-    /// Its commit.
+    /// Commit of the program.
     pub git: String,
-    /// Which part of the run this is; none for all of it.
+    /// The shard, if this is a part of a run.
     pub shard: Option<Shard>,
-    /// Flights of all parts.
+    /// Number of flights of all shards.
     pub total: usize,
-    /// Cases and sweeps that passed; the samples of a sweep count as one.
+    /// Number of cases and sweeps that passed; a sweep counts as one.
     pub passed: usize,
-    /// Those that failed.
+    /// Number of cases and sweeps that failed.
     pub failed: usize,
-    /// Those that could not be flown.
+    /// Number of cases that could not be flown.
     pub could_not_run: usize,
-    /// Those whose turn never came, and sweeps that are not complete.
+    /// Number of cases that were not flown before the run stopped, and of incomplete sweeps.
     pub not_run: usize,
     /// Sweeps in the order of their files.
     pub sweeps: Vec<SweepReport>,
-    /// Successes of every scenario that was flown more than once.
+    /// Successes of every scenario that was flown more than once, by its name.
     pub shares: BTreeMap<String, Successes>,
     /// Every flight, in the order of the plan.
     pub cases: Vec<CaseResult>,
 }
 
-/// How many flights of a scenario passed.
+/// Number of successful flights of one scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Successes {
-    /// Passed.
+    /// Number of flights that passed.
     pub passed: usize,
-    /// Flown.
+    /// Number of flights.
     pub flown: usize,
-    /// Wilson's 95 % interval of the share that passes.
+    /// Wilson's 95 % interval of the probability to pass.
     pub interval_95: (f64, f64),
 }
 
 impl SuiteReport {
-    /// The report of the `results` of `plan`.
+    /// The report on the `results` of `plan`.
     pub fn new(plan: &Plan, results: Vec<CaseResult>) -> Self {
         let git = program::commit().to_owned();
         let version = program::VERSION.to_owned();
@@ -116,12 +116,12 @@ impl SuiteReport {
 
     /// Simulated time of all flights, s.
     pub fn flown_s(&self) -> f64 {
-        // A sum of nothing is -0.
+        // The sum of no numbers is -0; adding 0 makes it 0.
         0.0 + self.cases.iter().filter_map(CaseResult::report).map(|r| r.flight_s).sum::<f64>()
     }
 }
 
-/// Per scenario that was flown more than once and is no sweep.
+/// Successes of every scenario that was flown more than once, without sweeps.
 fn shares(cases: &[CaseResult]) -> BTreeMap<String, Successes> {
     let mut counts: BTreeMap<String, (usize, usize)> = BTreeMap::new();
     for result in cases.iter().filter(|result| result.case.sample.is_none()) {

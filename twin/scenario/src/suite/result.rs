@@ -1,4 +1,4 @@
-//! What became of one flight.
+//! The result of one case.
 
 use std::path::PathBuf;
 
@@ -8,37 +8,37 @@ use serde::{Deserialize, Serialize, Serializer};
 use super::case::Case;
 use crate::Report;
 
-/// What became of a case.
+/// The outcome of a case.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
-    /// It was flown; [`Report::passed`] says whether as expected.
+    /// The case was flown; [`Report::passed`] says whether the flight met its demands.
     Flown(Box<Report>),
-    /// It could not be flown.
+    /// The case could not be flown; the text gives the reason.
     Unusable(String),
-    /// It was not its turn before the run was stopped.
+    /// The run stopped before the case was flown.
     NotRun,
 }
 
-/// A case and what became of it.
+/// A case and its outcome.
 #[derive(Clone, Debug, Deserialize)]
 pub struct CaseResult {
     /// The case.
     pub case: Case,
-    /// What became of it.
+    /// Its outcome.
     pub outcome: Outcome,
     /// Wall-clock time of the flight, s.
     pub wall_s: f64,
-    /// Recording of the flight, if it failed and one was asked for.
+    /// Recording of the flight, if it failed and evidence was asked for.
     pub artifact: Option<PathBuf>,
-    /// Its page, and the second that opens at.
+    /// Replay page of the flight, and the second of the flight at which it opens.
     pub replay: Option<(PathBuf, f64)>,
-    /// Why either is missing although it was asked for.
+    /// Why recording or page is missing although evidence was asked for.
     pub artifact_trouble: Option<String>,
 }
 
 impl Serialize for CaseResult {
-    /// Beside its fields the result in a word and in a message, for whoever reads the JSON.
+    /// Writes the fields, and for readers of the JSON also the result as a word and as a message.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let Self { case, outcome, wall_s, artifact, replay, artifact_trouble } = self;
         let mut form = serializer.serialize_struct("CaseResult", 8)?;
@@ -55,12 +55,12 @@ impl Serialize for CaseResult {
 }
 
 impl CaseResult {
-    /// Flown, and as expected.
+    /// True if the case was flown and met its demands.
     pub fn passed(&self) -> bool {
         self.report().is_some_and(|report| report.passed)
     }
 
-    /// What the flight came to, if it was flown.
+    /// The report of the flight, if the case was flown.
     pub fn report(&self) -> Option<&Report> {
         match &self.outcome {
             Outcome::Flown(report) => Some(report),
@@ -68,7 +68,7 @@ impl CaseResult {
         }
     }
 
-    /// The result in a word or three.
+    /// The result in one to three words.
     pub fn word(&self) -> &'static str {
         match &self.outcome {
             Outcome::Flown(report) if report.passed && report.broken.is_empty() => "passed",

@@ -1,4 +1,4 @@
-//! Flying cases side by side.
+//! Flies cases in parallel.
 
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -14,33 +14,33 @@ use super::report::SuiteReport;
 use super::result::{CaseResult, Outcome};
 use crate::{Broken, Report, Scenario, fly};
 
-/// How cases are flown.
+/// Options of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
-    /// Flights at a time.
+    /// Number of flights at a time.
     pub jobs: usize,
-    /// No new flight begins after one failed.
+    /// True if no new flight starts after a failure.
     pub fail_fast: bool,
-    /// Flights become the golden runs of their scenarios instead of being compared with them.
+    /// True if flights replace the golden runs of their scenarios instead of being compared with them.
     pub update: bool,
-    /// What flights that failed leave behind.
+    /// The evidence to make of failed flights.
     pub evidence: Option<Evidence>,
 }
 
-/// What a flight that failed leaves behind: its recording, and a page made of that.
+/// The evidence of a failed flight: its recording and a replay page.
 #[derive(Clone, Debug)]
 pub struct Evidence {
-    /// Where both are written.
+    /// Folder for both files.
     pub folder: PathBuf,
-    /// Makes the page; `None`: recordings only.
+    /// Makes the page; `None` for recordings only.
     pub make_page: Option<MakePage>,
 }
 
-/// Writes the page of a recording: file of the recording, file of the page, what the flight came to. Returns the second of the
-/// flight that the page opens at, or why there is no page.
+/// Writes the replay page of a recording. Arguments: file of the recording, file of the page, report of the flight. Returns the
+/// second of the flight at which the page opens, or the reason why there is no page.
 pub type MakePage = fn(&Path, &Path, &Report) -> Result<f64, String>;
 
-/// Flies what is planned; `done` is told as each flight ends. The results are in the order of the cases.
+/// Flies the cases of `plan`; `done` receives each result as its flight ends. The report has the order of the cases.
 pub fn run(plan: &Plan, options: &Options, done: &(dyn Fn(&CaseResult) + Sync)) -> SuiteReport {
     let cases = &plan.cases;
     let next = AtomicUsize::new(0);
@@ -122,7 +122,7 @@ fn fly_case(case: &Case, options: &Options) -> CaseResult {
         }
     };
     report.real_time_factor = Some(report.flight_s / result.wall_s.max(1e-9));
-    // A sample may fail; its overrides, named in the message, fly it again.
+    // A sample of a sweep may fail. Its message names the overrides that repeat it.
     if let (false, Some(evidence), None) = (report.passed, &options.evidence, &case.sample) {
         keep_evidence(&mut result, evidence, &scenario, &report);
     }
@@ -130,7 +130,7 @@ fn fly_case(case: &Case, options: &Options) -> CaseResult {
     result
 }
 
-/// Writes what a failed flight of `scenario` leaves behind, and notes in `result` where it lies.
+/// Records the failed flight of `scenario`, makes its page, and stores both paths in `result`.
 fn keep_evidence(
     result: &mut CaseResult,
     Evidence { folder, make_page }: &Evidence,
@@ -152,13 +152,13 @@ fn keep_evidence(
     result.artifact = Some(path);
 }
 
-/// `name` as the name of a recording.
+/// `name` as the file name of a recording.
 fn file_name(name: &str) -> PathBuf {
     let plain = |c: char| if c.is_alphanumeric() || "._-".contains(c) { c } else { '_' };
     Path::new(&name.chars().map(plain).collect::<String>()).with_added_extension("mcap")
 }
 
-/// Flights of one file under the same overrides are equal, or the later ones fail.
+/// Compares the state hashes of flights of one file with the same overrides; a flight that differs from the first fails.
 pub(super) fn compare_repeats(results: &mut [CaseResult]) {
     let mut first: BTreeMap<(PathBuf, Vec<String>), String> = BTreeMap::new();
     for result in results {
@@ -180,7 +180,10 @@ pub(super) fn compare_repeats(results: &mut [CaseResult]) {
     }
 }
 
-#[expect(clippy::disallowed_methods, reason = "how long a test took; the flight does not see it")]
+#[expect(
+    clippy::disallowed_methods,
+    reason = "the duration of a test; the flight does not depend on it"
+)]
 fn now() -> Instant {
     Instant::now()
 }

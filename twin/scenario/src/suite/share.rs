@@ -1,9 +1,9 @@
-//! How sure a share of successes is.
+//! The confidence interval of a share of successes.
 
 /// Standard normal quantile of a two-sided 95 % interval.
 const Z_95: f64 = 1.959_963_984_540_054;
 
-/// Wilson's 95 % interval of the success probability after `successes` of `trials`; all of it without a trial.
+/// Wilson's 95 % interval of the success probability after `successes` of `trials`; 0 to 1 if there was no trial.
 pub fn wilson_95(successes: usize, trials: usize) -> (f64, f64) {
     if trials == 0 {
         return (0.0, 1.0);
@@ -26,9 +26,9 @@ mod tests {
         for (successes, trials) in [(0, 10), (10, 10), (9, 10), (50, 200), (199, 200), (1, 1)] {
             let (low, high) = wilson_95(successes, trials);
             let (n, share) = (trials as f64, successes as f64 / trials as f64);
-            // To rounding.
+            // The comparisons hold up to rounding.
             assert!(low >= 0.0 && low <= share + 1e-12 && share <= high + 1e-12 && high <= 1.0);
-            // Its ends are where the share is 1.96 standard errors away; at 0 and 1 one end is the share itself.
+            // At each end of the interval the share is 1.96 standard errors away; at 0 and 1 one end is the share itself.
             for end in [low, high] {
                 let distance = squared(share - end) - squared(Z_95) * end * (1.0 - end) / n;
                 assert!(distance.abs() < 1e-12, "{successes}/{trials}: {end}");

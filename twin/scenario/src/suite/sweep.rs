@@ -1,4 +1,4 @@
-//! A sweep as flights, and what its samples come to together.
+//! The flights of a sweep, and the result of its samples together.
 
 use std::path::{Path, PathBuf};
 
@@ -9,41 +9,42 @@ use super::result::{CaseResult, Outcome};
 use super::share::wilson_95;
 use crate::Scenario;
 
-/// What a sweep demands; the same in every shard.
+/// The demands of a sweep; every shard has the same.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SweepPlan {
-    /// What it is called in reports.
+    /// Name in reports.
     pub name: String,
     /// Scenario file.
     pub file: PathBuf,
-    /// What varies, in the order of a sample's values.
+    /// The keys that vary, in the order of a sample's values.
     pub keys: Vec<String>,
-    /// How many samples there are.
+    /// Number of samples.
     pub samples: usize,
-    /// Share of them that must succeed.
+    /// Share of the samples that must succeed.
     pub min_success: f64,
-    /// The lower end of the interval must reach it, not only the share.
+    /// True if the lower end of the 95 % interval must reach that share.
     pub confident: bool,
 }
 
-/// What a sweep came to.
+/// The result of a sweep.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SweepReport {
-    /// What was demanded.
+    /// Its demands.
     pub plan: SweepPlan,
-    /// Samples that were flown.
+    /// Number of samples that were flown.
     pub flown: usize,
-    /// Of these, samples that succeeded.
+    /// Number of samples that succeeded.
     pub succeeded: usize,
-    /// Samples that could not be flown.
+    /// Number of samples that could not be flown.
     pub could_not_run: usize,
     /// Wilson's 95 % interval of the share that succeeds.
     pub interval_95: (f64, f64),
-    /// Whether enough succeed; unknown until every sample was flown.
+    /// Whether enough samples succeed; `None` until every sample was flown.
     pub passed: Option<bool>,
 }
 
-/// The flights of the sweep in `file`, if it holds one that can be read; whoever flies a file that cannot says why.
+/// The plan and the flights of the sweep in `file`; `None` if the file is unreadable or has no sweep. Flying an unreadable file
+/// reports its error.
 pub(super) fn expand(
     name: &str,
     file: &Path,
@@ -76,7 +77,7 @@ pub(super) fn expand(
 }
 
 impl SweepReport {
-    /// What the samples among `results` come to.
+    /// The result of the samples among `results`.
     pub(super) fn new(plan: &SweepPlan, results: &[CaseResult]) -> Self {
         let of_it = |result: &&CaseResult| {
             result.case.sample.as_ref().is_some_and(|sample| sample.sweep == plan.name)
@@ -95,7 +96,7 @@ impl SweepReport {
         Self { plan: plan.clone(), flown, succeeded, could_not_run, interval_95, passed }
     }
 
-    /// The result in words: share, interval, what is demanded.
+    /// Share, interval and demand in words.
     pub fn sentence(&self) -> String {
         let Self { plan, flown, succeeded, could_not_run, interval_95: (low, high), .. } = self;
         let demand = if plan.confident { "lower end of the interval" } else { "share" };

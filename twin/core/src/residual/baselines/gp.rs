@@ -1,6 +1,6 @@
 //! Gaussian process on a subset of the data: ARD-RBF kernel, one Cholesky factor for all outputs.
 //!
-//! Source: Torrente, Kaufmann, Foehn and Scaramuzza, "Data-driven MPC for quadrotors", IEEE RA-L 6(2), 2021 (the paper's row "GP");
+//! Source: Torrente, Kaufmann, Foehn and Scaramuzza, "Data-driven MPC for quadrotors", IEEE RA-L 6(2), 2021 (the paper's line "GP");
 //! training as in Rasmussen and Williams, "Gaussian processes for machine learning", 2006, eq. 2.25, 5.8 and 5.9.
 //!
 //! In: z-scored coordinates, rates and previous force of the newest tick. Out: residual for `j = 0..=k`, the posterior mean. State:
@@ -15,23 +15,24 @@ use crate::residual::weights::{Weights, WeightsError};
 use crate::residual::{History, Predictor, PredictorInfo};
 use crate::tick::Forecast;
 
-/// Word of the model in the head of its file.
+/// Name of the model in the head of its file.
 pub const NAME: &str = "gp";
 
-/// Names of the tensors: `[samples, inputs]`, `[samples, targets]`, `[inputs]`, `[1]`.
+/// Names of the tensors, with shapes `[samples, inputs]`, `[samples, targets]`, `[inputs]` and `[1]`.
 const TENSORS: [&str; 4] = ["inputs", "alpha", "length_scale", "signal_variance"];
 
-/// Steps of Adam on the logarithms of the hyperparameters, and its rate: the likelihood changes by less than 1 % over the last ten.
+/// Number of Adam steps on the logarithms of the hyperparameters, and their rate: the likelihood changes by less than 1 % over
+/// the last ten.
 const STEPS: i32 = 40;
 const RATE: f64 = 0.1;
 
-/// Noise is kept above this variance, so that the factor exists.
+/// Lower bound of the noise variance, so that the Cholesky factor exists.
 const LEAST_NOISE: f64 = 1e-4;
 
-/// Hyperparameters as logarithms: a length per input, signal variance, noise variance.
+/// Hyperparameters as logarithms: a length scale per input, the signal variance, the noise variance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Kernel {
-    /// Logarithm of the length scale of each input, in its standard deviations.
+    /// Logarithm of the length scale of each input, in standard deviations of the input.
     pub log_length: Vec<f64>,
     /// Logarithm of the signal variance.
     pub log_signal: f64,
@@ -40,7 +41,7 @@ pub struct Kernel {
 }
 
 impl Kernel {
-    /// Where training starts: lengths that make random samples barely correlated, a tenth of noise.
+    /// Initial hyperparameters: lengths that leave random samples barely correlated, and a tenth of noise.
     pub fn start(inputs: usize) -> Self {
         let log_length = vec![ln((inputs as f64).sqrt()); inputs];
         Self { log_length, log_signal: 0.0, log_noise: ln(0.1_f64) }
@@ -50,7 +51,7 @@ impl Kernel {
         self.log_length.iter().map(|l| exp(-2.0 * l)).collect()
     }
 
-    /// Covariance of the signal between samples.
+    /// Covariance matrix of the signal between the samples `x`, `[samples, samples]`.
     fn signal(&self, x: &[Vec<f64>]) -> DMatrix<f64> {
         let (w, signal) = (self.weights(), exp(self.log_signal));
         DMatrix::from_fn(x.len(), x.len(), |i, j| signal * rbf(&x[i], &x[j], &w))
@@ -60,8 +61,8 @@ impl Kernel {
         exp(self.log_noise).max(LEAST_NOISE)
     }
 
-    /// Log marginal likelihood of the columns of `y`, without its constant, and its gradient by the logarithms: lengths, signal,
-    /// noise.
+    /// Log marginal likelihood of the columns of `y` without its constant, and its gradient with respect to the logarithms of
+    /// lengths, signal and noise; `None` if the covariance has no Cholesky factor.
     pub fn likelihood(&self, x: &[Vec<f64>], y: &DMatrix<f64>) -> Option<(f64, Vec<f64>)> {
         let n = x.len();
         let signal = self.signal(x);
@@ -88,7 +89,7 @@ impl Kernel {
         Some((value, gradient))
     }
 
-    /// Climbs the likelihood by Adam.
+    /// Maximises the likelihood by Adam.
     #[must_use]
     pub fn train(mut self, x: &[Vec<f64>], y: &DMatrix<f64>) -> Self {
         let size = self.log_length.len() + 2;
@@ -122,7 +123,7 @@ fn rbf(a: &[f64], b: &[f64], weights: &[f64]) -> f64 {
     exp(-0.5 * square)
 }
 
-/// A fit: the kernel, the subset and `K⁻¹ y`.
+/// A fitted process: the kernel, the subset and `K⁻¹ y`.
 #[derive(Clone, Debug)]
 pub struct Fit {
     kernel: Kernel,
@@ -130,8 +131,8 @@ pub struct Fit {
     alpha: DMatrix<f64>,
 }
 
-/// Fits `y` (`[samples][targets]`, z-scored) on the subset `x`. Lengths and variances come from the first `few` samples and the
-/// first eight targets; `None` if the kernel has no factor.
+/// Fits `y` (`[samples][targets]`, z-scored) on the subset `x` (`[samples][inputs]`, z-scored). Lengths and variances come from
+/// the first `few` samples and the first eight targets; `None` if the covariance has no Cholesky factor.
 pub fn fit(x: &[Vec<f64>], y: &[Vec<f64>], few: usize) -> Option<Fit> {
     let inputs = x.first()?.len();
     let matrix = |n: usize, targets: usize| DMatrix::from_fn(n, targets, |i, j| y[i][j]);
@@ -144,7 +145,7 @@ pub fn fit(x: &[Vec<f64>], y: &[Vec<f64>], few: usize) -> Option<Fit> {
 }
 
 impl Fit {
-    /// Names, shapes and values of its tensors.
+    /// Names, shapes and values of the tensors.
     pub fn tensors(&self) -> Vec<(String, Vec<usize>, Vec<f32>)> {
         let (n, inputs) = (self.x.len(), self.kernel.log_length.len());
         let narrow = |values: &mut dyn Iterator<Item = f64>| values.map(|v| v as f32).collect();
@@ -162,21 +163,21 @@ impl Fit {
     }
 }
 
-/// The predictor.
+/// The Gaussian process as a predictor.
 pub struct Gp {
     standard: Standard,
     x: Vec<Vec<f64>>,
-    /// Targets × samples.
+    /// `K⁻¹ y` transposed, `[targets, samples]`.
     alpha: DMatrix<f64>,
     weights: Vec<f64>,
     signal: f64,
 }
 
 impl Gp {
-    /// The predictor of `weights`.
+    /// Builds the predictor from `weights`.
     ///
     /// # Errors
-    /// [`WeightsError`] if they are of another model or vehicle.
+    /// [`WeightsError`] if the weights belong to another model or vehicle.
     pub fn new(weights: &Weights) -> Result<Self, WeightsError> {
         weights.head.check_model(NAME)?;
         let standard = Standard::new(&weights.head)?;
@@ -200,7 +201,7 @@ impl Gp {
         })
     }
 
-    /// Numbers that were fitted: subset, weights, kernel.
+    /// Number of fitted numbers: subset, weights and kernel.
     pub fn parameters(&self) -> usize {
         self.x.len() * (self.standard.len() + TARGETS) + self.weights.len() + 2
     }
@@ -237,7 +238,7 @@ mod tests {
         let mut rng = Pcg64::seed_from_u64(seed);
         let x: Vec<Vec<f64>> =
             (0..n).map(|_| (0..3).map(|_| 4.0 * rng.random::<f64>() - 2.0).collect()).collect();
-        // Two outputs that depend on the first input quickly, on the second slowly, on the third not at all.
+        // Two outputs depend strongly on the first input, weakly on the second, and not on the third.
         let y = DMatrix::from_fn(n, 2, |i, j| {
             if j == 0 { sin(2.0 * x[i][0]) } else { cos(2.0 * x[i][0]) + 0.3 * x[i][1] }
         });
@@ -257,7 +258,7 @@ mod tests {
                 moved.likelihood(&x, &y).unwrap().0
             };
             let found = (at(h) - at(-h)) / (2.0 * h);
-            // Central differences of a function of size 100: error h² and 1e-14/h.
+            // Central differences of a function of size 100 have an error of h² and 1e-14/h.
             assert!((found - slope).abs() < 1e-5 * (1.0 + slope.abs()), "{i}: {found} {slope}");
         }
     }

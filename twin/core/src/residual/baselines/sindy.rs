@@ -1,7 +1,7 @@
 //! Sparse identification of the residual: a quadratic library, sequentially thresholded least squares.
 //!
 //! Source: Brunton, Proctor and Kutz, "Discovering governing equations from data by sparse identification of nonlinear dynamical
-//! systems", PNAS 113(15), 2016; for control Kaiser, Kutz and Brunton, Proc. R. Soc. A 474, 2018 (the paper's row "`SysID`").
+//! systems", PNAS 113(15), 2016; for control Kaiser, Kutz and Brunton, Proc. R. Soc. A 474, 2018 (the paper's line "`SysID`").
 //!
 //! In: z-scored coordinates, rates and previous force of the newest tick. Out: residual for `j = 0..=k`. State: the coefficients.
 
@@ -12,37 +12,37 @@ use crate::residual::weights::{Weights, WeightsError};
 use crate::residual::{History, Predictor, PredictorInfo};
 use crate::tick::Forecast;
 
-/// Word of the model in the head of its file.
+/// Name of the model in the head of its file.
 pub const NAME: &str = "sindy";
 
-/// Coefficients below this are dropped, in standard deviations of the residual per unit of the term.
+/// Coefficients below this threshold are dropped, in standard deviations of the residual per unit of the term.
 pub const THRESHOLD: f64 = 0.02;
 
-/// Weight of the squared coefficients beside the mean squared error: terms that move together stay solvable.
+/// Weight of the squared coefficients relative to the mean squared error; it keeps collinear terms solvable.
 const RIDGE: f64 = 1e-6;
 
-/// Most rounds of thresholding; it ends when no term is dropped any more.
+/// Largest number of rounds of thresholding; it ends earlier if a round drops no term.
 const ROUNDS: usize = 10;
 
-/// Samples whose library is formed at a time.
+/// Number of samples whose library is computed at a time.
 const CHUNK: usize = 1000;
 
-/// Name of the tensor `[terms, targets]`.
+/// Name of the tensor, whose shape is `[terms, targets]`.
 const TENSOR: &str = "coefficients";
 
-/// The predictor.
+/// The sparse model as a predictor.
 pub struct Sindy {
     standard: Standard,
-    /// Targets × terms.
+    /// Coefficients, `[targets, terms]`.
     coefficients: DMatrix<f64>,
 }
 
-/// Terms of a quadratic library over `n` inputs.
+/// Number of terms of a quadratic library over `n` inputs.
 pub fn terms(n: usize) -> usize {
     1 + n + n * (n + 1) / 2
 }
 
-/// `[1, z_i, z_i z_j (i ≤ j)]`.
+/// The quadratic library `[1, z_i, z_i z_j (i ≤ j)]` of the inputs `z`.
 pub fn library(z: &[f64]) -> Vec<f64> {
     let mut all = Vec::with_capacity(terms(z.len()));
     all.push(1.0);
@@ -53,8 +53,8 @@ pub fn library(z: &[f64]) -> Vec<f64> {
     all
 }
 
-/// Coefficients `[terms, targets]` of `y ≈ library(x) c`, sparse: least squares by the normal equations, then again and again on
-/// the terms whose coefficient reaches `threshold`.
+/// Sparse coefficients `[terms, targets]` of `y ≈ library(x) c`. Least squares by the normal equations is repeated with the terms
+/// whose coefficient reaches `threshold`.
 pub fn fit(x: &[Vec<f64>], y: &[Vec<f64>], threshold: f64) -> DMatrix<f64> {
     let m = x.first().map_or(1, |x| terms(x.len()));
     let targets = y.first().map_or(0, Vec::len);
@@ -99,10 +99,10 @@ fn thresholded(gram: &DMatrix<f64>, moment: &DVector<f64>, threshold: f64) -> DV
 }
 
 impl Sindy {
-    /// The predictor of `weights`.
+    /// Builds the predictor from `weights`.
     ///
     /// # Errors
-    /// [`WeightsError`] if they are of another model or vehicle.
+    /// [`WeightsError`] if the weights belong to another model or vehicle.
     pub fn new(weights: &Weights) -> Result<Self, WeightsError> {
         weights.head.check_model(NAME)?;
         let standard = Standard::new(&weights.head)?;
@@ -114,14 +114,14 @@ impl Sindy {
         Ok(Self { standard, coefficients })
     }
 
-    /// Name, shape and values of the tensors of a fit.
+    /// Name, shape and values of the tensor of `coefficients`.
     pub fn tensors(coefficients: &DMatrix<f64>) -> (String, Vec<usize>, Vec<f32>) {
         let (m, targets) = coefficients.shape();
         let values = coefficients.transpose().iter().map(|c| *c as f32).collect();
         (TENSOR.to_owned(), vec![m, targets], values)
     }
 
-    /// Coefficients that are not zero.
+    /// Number of coefficients that are not zero.
     pub fn parameters(&self) -> usize {
         self.coefficients.iter().filter(|c| **c != 0.0).count()
     }
@@ -166,7 +166,7 @@ mod tests {
         let term = |i: usize, j: usize| {
             let unit = |k: usize| (0..4).map(|n| f64::from(u8::from(n == k))).collect::<Vec<_>>();
             let both: Vec<f64> = unit(i).iter().zip(unit(j)).map(|(a, b)| a + b).collect();
-            // The only product that needs both inputs.
+            // The product that needs both inputs.
             (5..terms(4)).find(|t| {
                 let only = |z: &[f64]| library(z)[*t];
                 only(&both) != 0.0 && (i == j || (only(&unit(i)) == 0.0 && only(&unit(j)) == 0.0))
@@ -179,7 +179,7 @@ mod tests {
             (term(2, 2).unwrap(), 1, 1.5),
         ];
         for (term, target, value) in wanted {
-            // 3000 samples with a noise of 0.006: an error of 5 σ/√n is 0.001.
+            // 3000 samples with a noise of 0.006 give an error of 5 σ/√n = 0.001.
             assert!((c[(term, target)] - value).abs() < 1e-3, "{term} {target}");
         }
         assert_eq!(c.iter().filter(|c| **c != 0.0).count(), wanted.len(), "{c}");

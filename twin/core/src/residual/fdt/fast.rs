@@ -1,6 +1,6 @@
-//! The forward pass as it is flown: the equations of [`super::model`] with everything folded that has no input.
+//! The forward pass that flies: the equations of [`super::model`] with all constant products precomputed.
 //!
-//! In: z-scored histories. Out: [`Output`]. State: packed weights, never changed, and room for intermediate results.
+//! In: z-scored histories. Out: [`Output`]. State: packed weights, which never change, and buffers for intermediate results.
 
 use super::super::nn::kernels::{self, Kernel};
 use super::super::nn::mixer::Mixer;
@@ -10,7 +10,7 @@ use super::super::weights::FdtConfig;
 use super::fold::{FirstLayer, Memory};
 use super::model::{Long, Model, Output, Short};
 
-/// A network made ready for one processor.
+/// A network prepared for one processor.
 pub struct Fast {
     kernel: Kernel,
     precision: Precision,
@@ -27,7 +27,7 @@ pub struct Fast {
 
 struct FastShort {
     embed: Packed,
-    /// What each token is without any history, [tokens, d].
+    /// The constant part of each token (identity and global token), [tokens, d].
     constant: Vec<f32>,
     first: Packed,
     first_constant: Vec<f32>,
@@ -53,14 +53,14 @@ struct Decoder {
     readout_out: Packed,
 }
 
-/// A linear map packed as it is.
+/// Packs a linear map without folding.
 fn packed(linear: &Linear, precision: Precision) -> Packed {
     Packed::new(&linear.weight, &linear.bias, linear.inputs, precision)
 }
 
 impl Fast {
-    /// `model` for `kernel`. With [`Precision::Bf16`] the large products read rounded weights; everything that leads from the
-    /// memory to `g'` stays f32, because `g'` is what the adapter regresses on.
+    /// Prepares `model` for `kernel`. With [`Precision::Bf16`] the large products read rounded weights. The path from the memory
+    /// to `g'` stays f32, because the adapter regresses on `g'`.
     pub fn new(model: &Model, kernel: Kernel, precision: Precision) -> Self {
         Self {
             kernel,
@@ -88,7 +88,7 @@ impl Fast {
         &self.config
     }
 
-    /// The arithmetic, as it is named in scenarios and reports.
+    /// Name of the arithmetic in scenarios and reports.
     pub fn arithmetic(&self) -> String {
         match self.precision {
             Precision::F32 => self.kernel.name().to_owned(),
@@ -96,7 +96,7 @@ impl Fast {
         }
     }
 
-    /// `x`: `[channels, t_long]`, z-scored, masked channels zero, oldest first.
+    /// Forward pass of `x`: `[channels, t_long]`, z-scored, oldest first; masked channels are zero.
     ///
     /// # Panics
     /// If `x` has another length.
@@ -157,7 +157,7 @@ impl FastShort {
         }
     }
 
-    /// The tokens of the channels, then the global one if there is one.
+    /// The tokens of the channels, then the global token if the model has one; `[tokens, d]`.
     fn context(
         &self,
         kernel: Kernel,
@@ -209,7 +209,7 @@ impl FastLong {
         }
     }
 
-    /// `g'` and the attention over the channels.
+    /// The regime `g'`, `[d_k]`, and the attention over the channels, `[channels]`.
     fn recall(
         &self,
         kernel: Kernel,
@@ -243,7 +243,8 @@ impl FastLong {
 }
 
 impl Decoder {
-    /// The FFN's second map is linear, so the channels' mean goes through it instead of every channel.
+    /// The second map of the FFN is linear. Only the mean over the channels passes it, which gives the same result as every
+    /// channel.
     fn decode(&self, kernel: Kernel, config: &FdtConfig, encoded: &[f32]) -> Vec<f32> {
         let FdtConfig { d_model: d, d_ff: f, .. } = *config;
         let pooled = |x: &[f32], width: usize| {
@@ -257,7 +258,7 @@ impl Decoder {
         let mut y = applied(kernel, &self.ffn_out, &pooled(&hidden, f), 2 * d);
         add(&mut y, &pooled(encoded, d));
         if rows == 1 {
-            // No channel: their mean is zero, not what a network makes of zero.
+            // Without channels their mean is zero, and not the network's output for zero.
             y[..d].fill(0.0);
         }
         let mut hidden = applied(kernel, &self.readout_hidden, &y, f);

@@ -1,6 +1,6 @@
-//! The Factorized Dynamics Transformer as its equations stand, one after the other.
+//! The Factorized Dynamics Transformer, equation by equation in the order of the paper.
 //!
-//! In: z-scored histories of the channels. Out: [`Output`], z-scored too. State: the weights, never changed.
+//! In: z-scored histories of the channels. Out: [`Output`], z-scored too. State: the weights, which never change.
 
 use super::super::nn::activation::{gelu_all, softmax};
 use super::super::nn::attention::self_attention;
@@ -51,22 +51,22 @@ pub(super) struct Long {
     pub(super) key: Linear,
 }
 
-/// What the network says about one history.
+/// Output of the network for one history.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Output {
-    /// Forecast residuals, z-scored: [k + 1, outputs].
+    /// Forecast of the residual, z-scored, [k + 1, outputs].
     pub residual: Vec<f32>,
-    /// Regime latent `g'`, [d_k].
+    /// Regime latent `g'`, `[d_k]`.
     pub regime: Vec<f32>,
-    /// Attention of the global token over the channels, [channels], sums to one; empty without the long memory.
+    /// Attention of the global token over the channels, `[channels]`; it sums to one and is empty without the long memory.
     pub attention: Vec<f32>,
 }
 
 impl Model {
-    /// The network of `weights`.
+    /// Builds the network from `weights`.
     ///
     /// # Errors
-    /// [`WeightsError`] if they are of another model, or its configuration or a tensor is not what it must be.
+    /// [`WeightsError`] if the weights belong to another model, or if the configuration or a tensor is wrong.
     pub fn new(weights: &Weights) -> Result<Self, WeightsError> {
         weights.head.check_model("fdt")?;
         let config = FdtConfig::of(&weights.head)?;
@@ -104,7 +104,7 @@ impl Model {
         })
     }
 
-    /// `x`: `[channels, t_long]`, z-scored, masked channels zero, oldest first.
+    /// Forward pass of `x`: `[channels, t_long]`, z-scored, oldest first; masked channels are zero.
     ///
     /// # Panics
     /// If `x` has another length.
@@ -113,7 +113,7 @@ impl Model {
         assert_eq!(x.len(), channels * t_long, "one history per channel");
         let tokens = self.short.as_ref().map_or_else(Vec::new, |short| self.context(short, x));
         let channel_tokens = &tokens[..tokens.len().min(channels * d)];
-        // The global token asks the memory; without one, the mean of the channels' tokens does.
+        // The global token queries the memory. A model without it uses the mean of the channels' tokens.
         let asks = match (&self.short, self.config.global_token) {
             (Some(_), true) => tokens[channels * d..].to_vec(),
             (Some(_), false) => mean(channel_tokens, d),
@@ -128,7 +128,7 @@ impl Model {
         Output { residual: self.decode(encoded), regime, attention }
     }
 
-    /// Short-horizon context: the tokens of the channels, then the global one. [channels (+ 1), d]
+    /// Short-horizon context: the tokens of the channels, then the global token; `[channels (+ 1), d]`.
     fn context(&self, short: &Short, x: &[f32]) -> Vec<f32> {
         let FdtConfig { t_short, t_long, d_model: d, heads, .. } = self.config;
         let mut tokens = Vec::new();
@@ -145,7 +145,7 @@ impl Model {
         tokens
     }
 
-    /// Long-horizon memory retrieval: `g'` and the attention over the channels.
+    /// Long-horizon memory retrieval: the regime `g'`, `[d_k]`, and the attention over the channels, `[channels]`.
     fn recall(&self, long: &Long, x: &[f32], asks: &[f32]) -> (Vec<f32>, Vec<f32>) {
         let mut hidden = long.hidden.apply(x);
         gelu_all(&mut hidden);
@@ -169,7 +169,7 @@ impl Model {
         (regime, alpha)
     }
 
-    /// Decoder: position-wise FFN, then the readout of the channels' mean and the last token.
+    /// Decoder: a position-wise FFN, then the readout from the channels' mean and the last token.
     fn decode(&self, encoded: Vec<f32>) -> Vec<f32> {
         let d = self.config.d_model;
         let mut hidden = self.ffn_hidden.apply(&self.decoder_norm.apply(&encoded));

@@ -1,6 +1,6 @@
-//! GPT-2-style decoder over time. Radford et al., Language Models are Unsupervised Multitask Learners, 2019: one token per tick,
-//! learned positions, layer normalisation before attention and feed-forward and at the end, GELU. The last token is read and is
-//! the regime.
+//! GPT-2-style decoder over time. Radford et al., Language Models are Unsupervised Multitask Learners, 2019. It has one token per
+//! tick, learned positions, GELU, and layer normalisation before attention, before the feed-forward part and at the end. The last
+//! token is the regime, and the readout uses it.
 
 use super::super::nn::activation::gelu_all;
 use super::super::nn::{LayerNorm, Linear, add};

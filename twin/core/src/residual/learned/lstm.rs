@@ -1,12 +1,12 @@
 //! LSTM over the last ticks. Hochreiter and Schmidhuber, Long Short-Term Memory, Neural Computation 9(8), 1997; with the forget
-//! gate of Gers, Schmidhuber and Cummins, 2000. Its last hidden state is the regime.
+//! gate of Gers, Schmidhuber and Cummins, 2000. The last hidden state is the regime.
 
 use super::super::nn::Linear;
 use super::super::weights::Weights;
 use super::{Network, Shapes, Sizes, by_tick, linear};
 use crate::elementary::{exp, tanh};
 
-/// Name and shape of every tensor; the gates are input, forget, cell, output, in this order.
+/// Name and shape of every tensor; the order of the gates is input, forget, cell, output.
 pub fn tensors(sizes: &Sizes) -> Shapes {
     let Sizes { channels, d_model: d, .. } = *sizes;
     let mut all = linear("lstm.input", 4 * d, channels);

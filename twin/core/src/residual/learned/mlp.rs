@@ -1,12 +1,12 @@
-//! Multi-layer perceptron on the last ticks whose last layer goes on learning in flight by gradient. After Sanner and Slotine,
-//! Gaussian Networks for Direct Adaptive Control, IEEE TNN 3(6), 1992, with learned instead of Gaussian features.
+//! Multi-layer perceptron on the last ticks, whose last layer continues to learn in flight by gradient descent. After Sanner and
+//! Slotine, Gaussian Networks for Direct Adaptive Control, IEEE TNN 3(6), 1992, with learned instead of Gaussian features.
 
 use super::super::nn::Linear;
 use super::super::weights::Weights;
 use super::stack::{self, Stack};
 use super::{Network, Shapes, Sizes, linear};
 
-/// Part of the error at the last tick that one step takes away (normalised gradient, so below 2 it is stable).
+/// Share of the error at the last tick that one step removes (normalised gradient, stable below 2).
 const STEP: f32 = 0.05;
 
 /// Name and shape of every tensor.
@@ -37,7 +37,7 @@ impl Network for Mlp {
         (self.readout.apply(&hidden), hidden)
     }
 
-    /// One step along the gradient of the squared error at the last tick; every forecast of a row moves by the same.
+    /// One gradient step on the squared error at the last tick; all forecasts of a coordinate change by the same amount.
     fn learn(&mut self, hidden: &[f32], residual: &[f32]) {
         let said = self.readout.apply(hidden);
         let rate = STEP / (1.0 + hidden.iter().map(|h| h * h).sum::<f32>());

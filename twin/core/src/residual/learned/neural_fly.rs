@@ -9,13 +9,13 @@ use super::stack::{self, Stack};
 use super::{Network, Shapes, Sizes, linear};
 use crate::elementary::squared;
 
-/// Hidden layers before the features.
+/// Number of hidden layers before the features.
 pub const HIDDEN: usize = 3;
 
-/// Pull of the last layer towards what it starts from, per tick.
+/// Rate at which the last layer returns to its initial weights, per tick.
 const FORGETTING: f64 = 1e-3;
 
-/// Growth of the covariance per tick, and its start.
+/// Growth of the covariance per tick, and its initial value.
 const PROCESS: f64 = 1e-3;
 const START: f64 = 0.1;
 
@@ -35,9 +35,9 @@ pub struct NeuralFly {
     hidden: Stack,
     features: Linear,
     readout: Linear,
-    /// What the adaptation has added to the last layer, `[outputs, d_k]`, z-scored.
+    /// Change of the last layer by the adaptation, `[outputs, d_k]`, z-scored.
     added: Vec<f64>,
-    /// Covariance of the last layer, `[d_k, d_k]`, the same for every row.
+    /// Covariance of the last layer, `[d_k, d_k]`, shared by all coordinates.
     covariance: Vec<f64>,
 }
 
@@ -58,7 +58,7 @@ impl NeuralFly {
         self.added.len() / self.readout.inputs
     }
 
-    /// What the adaptation adds to each row.
+    /// Correction of each coordinate by the adaptation, z-scored, `[outputs]`.
     fn correction(&self, phi: &[f32]) -> Vec<f64> {
         let dot = |row: &[f64]| row.iter().zip(phi).map(|(a, p)| a * f64::from(*p)).sum();
         self.added.chunks_exact(phi.len()).map(dot).collect()

@@ -1,4 +1,4 @@
-//! Rectified layers one after the other, `hidden.0`, `hidden.1`, …, of which the first sees the whole history.
+//! A stack of rectified layers, `hidden.0`, `hidden.1`, …; the first layer sees the whole history.
 
 use super::super::nn::{Linear, relu_all};
 use super::super::weights::Weights;
@@ -15,20 +15,20 @@ fn stem(layer: usize) -> String {
     format!("hidden.{layer}")
 }
 
-/// Name and shape of every tensor of so many layers.
+/// Name and shape of every tensor of a stack of `layers` layers.
 pub(super) fn tensors(layers: usize, sizes: &Sizes) -> Shapes {
     let one = |layer| linear(&stem(layer), sizes.d_model, inputs(layer, sizes));
     (0..layers).flat_map(one).collect()
 }
 
 impl Stack {
-    /// So many layers of `weights`.
+    /// Loads a stack of `layers` layers from `weights`.
     pub(super) fn load(weights: &Weights, layers: usize, sizes: &Sizes) -> Self {
         let one = |layer| Linear::load(weights, &stem(layer), inputs(layer, sizes));
         Self((0..layers).map(one).collect())
     }
 
-    /// What the last layer gives, `[d_model]`, for histories `[channels, t_long]`.
+    /// Output of the last layer, `[d_model]`, for a history `x`, `[channels, t_long]`.
     pub(super) fn apply(&self, x: &[f32]) -> Vec<f32> {
         let mut hidden = x.to_vec();
         for layer in &self.0 {

@@ -1,6 +1,6 @@
-//! Causal Transformer over time. Vaswani et al., Attention Is All You Need, Advances in Neural Information Processing Systems
-//! 30, 2017: one token per tick, sinusoidal positions, layer normalisation after each sum, rectified. The last token is read
-//! and is the regime.
+//! Causal Transformer over time. Vaswani et al., Attention Is All You Need, Advances in Neural Information Processing Systems 30,
+//! 2017. It has one token per tick, sinusoidal positions, layer normalisation after each sum, and rectified feed-forward layers.
+//! The last token is the regime, and the readout uses it.
 
 use super::super::nn::activation::softmax;
 use super::super::nn::{LayerNorm, Linear, add, relu_all};
@@ -8,7 +8,7 @@ use super::super::weights::Weights;
 use super::{Network, Shapes, Sizes, by_tick, linear, norm};
 use crate::elementary::{cos, powf, sin};
 
-/// Longest wavelength of the positions over 2 pi, ticks.
+/// Longest wavelength of the positions divided by 2 pi, ticks.
 const LONGEST: f64 = 10_000.0;
 
 /// Name and shape of every tensor.
@@ -32,7 +32,7 @@ pub(super) fn block_tensors(layer: usize, sizes: &Sizes) -> Shapes {
     all
 }
 
-/// `[t, d]`: sine at even, cosine at odd numbers.
+/// Sinusoidal positions `[t, d]`: sine at even, cosine at odd indices.
 pub fn positions(t: usize, d: usize) -> Vec<f32> {
     let one = |i: usize| {
         let (tick, k) = (i / d, i % d);
@@ -42,7 +42,7 @@ pub fn positions(t: usize, d: usize) -> Vec<f32> {
     (0..t * d).map(one).collect()
 }
 
-/// One layer's maps.
+/// The maps of one layer.
 pub(super) struct Block {
     pub(super) qkv: Linear,
     pub(super) out: Linear,
@@ -66,7 +66,7 @@ impl Block {
         }
     }
 
-    /// Attention of each of the tokens `[n, d]` to itself and those before it, through the output map: `[n, d]`.
+    /// Causal self-attention of the tokens `[n, d]` (each to itself and to earlier tokens) with the output map: `[n, d]`.
     pub(super) fn attend(&self, tokens: &[f32], heads: usize) -> Vec<f32> {
         let (d, qkv) = (self.qkv.inputs, self.qkv.apply(tokens));
         let (n, width) = (tokens.len() / d, d / heads);

@@ -3,7 +3,7 @@
 use crate::elementary::{erf, exp};
 use std::f32::consts::FRAC_1_SQRT_2;
 
-/// `x Phi(x)`, `Phi` the normal distribution: the exact form with the error function, not its `tanh` approximation.
+/// `x Phi(x)` with the normal distribution `Phi`: the exact form by the error function, not the `tanh` approximation.
 pub fn gelu(x: f32) -> f32 {
     0.5 * x * (1.0 + erf(x * FRAC_1_SQRT_2))
 }
@@ -15,7 +15,7 @@ pub fn gelu_all(x: &mut [f32]) {
     }
 }
 
-/// `exp(x_i) / sum_j exp(x_j)` in place, shifted by the largest so that nothing overflows.
+/// Softmax `exp(x_i) / sum_j exp(x_j)` in place, shifted by the largest value so that nothing overflows.
 pub fn softmax(x: &mut [f32]) {
     let most = x.iter().copied().fold(f32::NEG_INFINITY, f32::max);
     let mut sum = 0.0;
@@ -34,11 +34,11 @@ mod tests {
 
     #[test]
     fn gelu_has_its_known_values() {
-        // x Phi(x) from tables of the normal distribution.
+        // Values of x Phi(x) from tables of the normal distribution.
         for (x, wanted) in
             [(0.0, 0.0), (1.0, 0.841_344_7), (-1.0, -0.158_655_25), (3.0, 2.995_950_2)]
         {
-            // A few roundings of numbers up to 3.
+            // Rounding error of a few operations on numbers up to 3.
             assert!((gelu(x) - wanted).abs() < 1e-6, "gelu({x}) = {}", gelu(x));
         }
     }

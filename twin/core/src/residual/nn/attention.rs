@@ -2,10 +2,10 @@
 
 use super::activation::softmax;
 
-/// Multi-head self-attention without its output map.
+/// Multi-head self-attention without the output map.
 ///
-/// `qkv`: [n, 3 d], per vector the query, the key and the value; head `i` has the `i`-th slice of `d / heads` of each. Result:
-/// [n, d], the heads' values side by side, `softmax(Q K^T / sqrt(d / heads)) V`.
+/// `qkv`: [n, 3 d], per vector the query, the key and the value; head `i` uses the `i`-th slice of width `d / heads` of each.
+/// Result: [n, d], the heads' values side by side, `softmax(Q K^T / sqrt(d / heads)) V`.
 pub fn self_attention(qkv: &[f32], d: usize, heads: usize) -> Vec<f32> {
     let n = qkv.len() / (3 * d);
     let width = d / heads;

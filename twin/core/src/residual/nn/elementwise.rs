@@ -1,5 +1,4 @@
-//! The loops of the networks that look at one number or one row at a time, written once; [`super::kernels`] compiles them for each
-//! instruction set.
+//! The elementwise and row-wise loops of the networks, written once; [`super::kernels`] compiles them for each instruction set.
 //!
 //! In: f32 rows. Out: f32 rows. No state.
 #![allow(
@@ -12,7 +11,7 @@ use super::kernels::{LANES, Lanes};
 
 #[inline(always)]
 fn fused<V: Lanes>(a: f32, b: f32, c: f32) -> f32 {
-    // Without the instruction `mul_add` is a call of the C library.
+    // Without the instruction, `mul_add` calls the C library.
     if V::FUSED { a.mul_add(b, c) } else { a * b + c }
 }
 
@@ -34,7 +33,7 @@ fn gelu_one<V: Lanes>(x: f32) -> f32 {
     0.5 * x * (1.0 + erf::<V>(x * std::f32::consts::FRAC_1_SQRT_2))
 }
 
-/// The error function: an odd rational function, 4e-7 off at most; beyond 4 it is one in single precision.
+/// The error function as an odd rational function, with an error of at most 4e-7. Beyond 4 it equals one in single precision.
 /// Source: the coefficients XLA and Eigen use for single precision.
 #[inline(always)]
 fn erf<V: Lanes>(x: f32) -> f32 {
@@ -54,15 +53,15 @@ fn erf<V: Lanes>(x: f32) -> f32 {
     x * polynomial::<V, 7>(&P, squared) / polynomial::<V, 5>(&Q, squared)
 }
 
-/// `exp(x)` for `x <= 0`: `2^n` times a polynomial of the rest, 2e-7 off relatively at most.
+/// `exp(x)` for `x <= 0`: `2^n` times a polynomial of the rest, with a relative error of at most 2e-7.
 /// Source: the coefficients of the Cephes library's `expf`.
 #[inline(always)]
 fn exp<V: Lanes>(x: f32) -> f32 {
     const P: [f32; 6] =
         [1.987_569_1e-4, 1.398_199_9e-3, 8.333_452e-3, 4.166_579_6e-2, 0.166_666_65, 0.5];
-    // ln 2 in two parts, the first with few digits, so that the rest is exact.
+    // ln 2 in two parts. The first has few digits, so that the rest is exact.
     const LN2: [f32; 2] = [0.693_359_4, -2.121_944_4e-4];
-    // Adding it drops the digits behind the point.
+    // Adding this number drops the digits behind the point.
     const ROUNDS: f32 = 12_582_912.0;
     let x = x.max(-87.0);
     let shifted = fused::<V>(x, std::f32::consts::LOG2_E, ROUNDS);
@@ -128,7 +127,7 @@ pub(super) fn dot_body<V: Lanes>(a: &[f32], b: &[f32], out: &mut [f32; 1]) {
     out[0] = sums.iter().sum::<f32>() + rest;
 }
 
-/// Mean and reciprocal spread, as layer normalisation has them.
+/// Mean and reciprocal standard deviation, as layer normalisation defines them.
 #[inline(always)]
 fn moments(x: &[f32]) -> (f32, f32) {
     let mean = total(x, |v| v) / x.len() as f32;
@@ -136,7 +135,7 @@ fn moments(x: &[f32]) -> (f32, f32) {
     (mean, 1.0 / (variance + super::norm::EPSILON).sqrt())
 }
 
-/// Sum of `f` over the numbers, `LANES` sums side by side.
+/// Sum of `f` over the numbers, computed as `LANES` parallel sums.
 #[inline(always)]
 fn total(x: &[f32], f: impl Fn(f32) -> f32) -> f32 {
     let mut sums = [0.0; LANES];
@@ -155,7 +154,7 @@ mod tests {
     use super::super::kernels::{Kernel, gelu, softmax};
     use crate::elementary::sin;
 
-    /// Worst of both approximations of the error function, times half of 4.
+    /// Largest error of both approximations of the error function, times half of 4.
     const GELU_TOLERANCE: f32 = 2e-6;
 
     #[test]
@@ -191,7 +190,8 @@ mod tests {
                 activation::softmax(&mut wanted);
                 softmax(kernel, &mut found, n, n, 0.25);
                 for (found, wanted) in found.iter().zip(&wanted) {
-                    // Numbers up to one, the exponential 2e-7 off, the scores' own rounding times their size.
+                    // Numbers up to one; the exponential has a relative error of 2e-7, and the scores add their rounding times
+                    // their size.
                     let tolerance = 1e-6 + 1e-7 * spread * wanted;
                     assert!((found - wanted).abs() < tolerance, "{kernel:?}: {found} {wanted}");
                 }

@@ -1,11 +1,11 @@
-//! The inner loops of the networks, compiled for several instruction sets; which one runs is chosen when the weights are read.
+//! The inner loops of the networks, compiled for several instruction sets; one of them is chosen when the weights are read.
 //!
 //! In: f32 rows and weights packed in panels of [`LANES`] outputs. Out: f32 rows. No state.
 //!
-//! Every loop is written once and compiled once for each instruction set by a wrapper with that `target_feature`; the product
-//! names its registers through [`Lanes`], the others leave them to the compiler. Calling a wrapper on a processor without the
-//! feature is undefined, hence `unsafe`. A [`Kernel`] can be had only where the processor has its features. Instruction sets differ in rounding (a fused multiply-add rounds once), so the name of
-//! the kernel is part of a run's identity.
+//! Every loop is written once, and a wrapper with the matching `target_feature` compiles it for each instruction set. The product
+//! names its registers through `Lanes`; the compiler chooses the registers of the other loops. Calling a wrapper on a processor
+//! without the feature is undefined behaviour, hence `unsafe`. A [`Kernel`] exists only where the processor has the features.
+//! Instruction sets round differently (a fused multiply-add rounds once), so the name of the kernel is part of a run's identity.
 #![allow(
     clippy::inline_always,
     reason = "a loop left uninlined is not compiled for the instruction set"
@@ -18,10 +18,10 @@
 use super::elementwise::{dot_body, gelu_body, norm_body, softmax_body, spread_body};
 use super::product::{Plain, Product, Weight, product_body};
 
-/// Outputs of a panel of packed weights: two AVX2 registers, one of AVX-512.
+/// Outputs per panel of packed weights: two AVX2 registers, or one of AVX-512.
 pub const LANES: usize = 16;
 
-/// Instruction set of the inner loops. Values exist for what this processor can do only.
+/// Instruction set of the inner loops. A value exists only if this processor supports it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Kernel(Set);
 
@@ -35,10 +35,10 @@ enum Set {
 }
 
 impl Kernel {
-    /// The instruction set every processor of this architecture has: the same numbers everywhere.
+    /// The instruction set that every processor has; it gives the same numbers everywhere.
     pub const SCALAR: Self = Self(Set::Scalar);
 
-    /// What this processor can do, slowest first.
+    /// The kernels that this processor supports, slowest first.
     pub fn available() -> Vec<Self> {
         #[allow(unused_mut, reason = "other architectures have one")]
         let mut all = vec![Self::SCALAR];
@@ -54,7 +54,7 @@ impl Kernel {
         all
     }
 
-    /// The fastest this processor can do.
+    /// The fastest kernel that this processor supports.
     pub fn best() -> Self {
         Self::available().pop().unwrap_or(Self::SCALAR)
     }
@@ -70,7 +70,7 @@ impl Kernel {
         }
     }
 
-    /// The kernel called `name`; `None` if there is none or this processor lacks it.
+    /// The kernel called `name`; `None` if no kernel has that name or this processor does not support it.
     pub fn named(name: &str) -> Option<Self> {
         Self::available().into_iter().find(|kernel| kernel.name() == name)
     }
@@ -78,24 +78,24 @@ impl Kernel {
 
 /// [`LANES`] numbers in registers.
 pub(crate) trait Lanes: Copy {
-    /// Multiply-add is one instruction.
+    /// True if multiply-add is one instruction.
     const FUSED: bool;
-    /// Rows of a product whose sums fit into registers.
+    /// Number of rows of a product whose sums fit into registers.
     const ROWS: usize;
     fn splat(value: f32) -> Self;
     fn load(values: &[f32; LANES]) -> Self;
-    /// From bf16.
+    /// Converts bf16 numbers.
     fn widen(values: &[u16; LANES]) -> Self;
     /// `self * factor + sum`.
     fn times(self, factor: Self, sum: Self) -> Self;
     fn plus(self, other: Self) -> Self;
     fn store(self) -> [f32; LANES];
-    /// Asks for memory that will be read soon.
+    /// Prefetches memory that will be read soon.
     fn fetch<T>(_soon: &T) {}
 }
 
-/// Declares a function that runs `$body` compiled for the kernel's instruction set; the body's first parameter is its
-/// registers.
+/// Declares a function that runs `$body` compiled for the kernel's instruction set. The type of the registers is the first
+/// parameter of the body.
 macro_rules! for_each_set {
     ($(#[$doc:meta])* $name:ident <$($g:ident : $b:path)?> ($($arg:ident : $type:ty),*) = $body:ident) => {
         $(#[$doc])*
@@ -139,16 +139,16 @@ for_each_set! {
 }
 
 for_each_set! {
-    /// Into `out[0]`: `1 / sqrt(var + eps)` of `x`.
+    /// `1 / sqrt(var + eps)` of `x` into `out[0]`.
     spread_into<>(x: &[f32], out: &mut [f32; 1]) = spread_body
 }
 
 for_each_set! {
-    /// Into `out[0]`: the scalar product.
+    /// The scalar product into `out[0]`.
     dot_into<>(a: &[f32], b: &[f32], out: &mut [f32; 1]) = dot_body
 }
 
-/// `1 / sqrt(var + eps)` of `x`, as layer normalisation has it.
+/// `1 / sqrt(var + eps)` of `x`, as layer normalisation defines it.
 pub(crate) fn spread(kernel: Kernel, x: &[f32]) -> f32 {
     let mut out = [0.0];
     spread_into(kernel, x, &mut out);
@@ -185,7 +185,7 @@ mod x86 {
     pub(super) struct Avx2(__m256, __m256);
 
     // SAFETY of every block below: the methods are inlined into a function compiled for AVX2 and FMA, which runs only where
-    // `Kernel::available` found both; pointers come from arrays of LANES numbers and reach no further than their ends.
+    // `Kernel::available` found both. Pointers come from arrays of LANES numbers and stay within them.
     impl Lanes for Avx2 {
         const FUSED: bool = true;
         const ROWS: usize = 5;

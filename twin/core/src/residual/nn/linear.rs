@@ -7,14 +7,14 @@ use super::super::weights::Weights;
 pub struct Linear {
     /// `W`, [outputs, inputs].
     pub weight: Vec<f32>,
-    /// `b`, [outputs]; empty if there is none.
+    /// `b`, `[outputs]`; empty if there is none.
     pub bias: Vec<f32>,
     /// Width of an input.
     pub inputs: usize,
 }
 
 impl Linear {
-    /// The tensors `{stem}.weight` and, if there, `{stem}.bias`; `inputs` is at least 1.
+    /// Loads the tensors `{stem}.weight` and, if it exists, `{stem}.bias`; `inputs` is at least 1.
     pub fn load(weights: &Weights, stem: &str, inputs: usize) -> Self {
         Self {
             weight: weights.values(&format!("{stem}.weight")),

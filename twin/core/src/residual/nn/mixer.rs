@@ -3,7 +3,7 @@
 use super::kernels::{self, Kernel, LANES};
 use super::product::Product;
 
-/// Room for the keys, values and scores of one head, kept between calls.
+/// Buffers for the keys, values and scores of one head, reused between calls.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Mixer {
     keys: Vec<f32>,
@@ -57,7 +57,7 @@ impl Mixer {
         }
     }
 
-    /// Lays the keys and values of a head out as weights: keys are outputs, values are inputs.
+    /// Packs the keys and values of a head as weights: keys as outputs, values as inputs.
     fn pack(&mut self, qkv: &[f32], d: usize, from: usize, width: usize) {
         let n = qkv.len() / (3 * d);
         for (token, row) in qkv.chunks_exact(3 * d).enumerate() {

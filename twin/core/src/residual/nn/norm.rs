@@ -3,20 +3,21 @@
 use super::super::weights::Weights;
 use crate::elementary::squared;
 
-/// Added to the variance, so that a constant vector stays finite.
+/// Added to the variance, so that the result for a constant vector stays finite.
 pub(super) const EPSILON: f32 = 1e-5;
 
-/// `(x - mean) / sqrt(var + eps) * weight + bias` on each vector of a sequence; mean and variance over the vector's numbers.
+/// `(x - mean) / sqrt(var + eps) * weight + bias` on each vector of a sequence; mean and variance are over the numbers of the
+/// vector.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LayerNorm {
-    /// Scale, [d].
+    /// Scale, `[d]`.
     pub weight: Vec<f32>,
-    /// Offset, [d].
+    /// Offset, `[d]`.
     pub bias: Vec<f32>,
 }
 
 impl LayerNorm {
-    /// The tensors `{stem}.weight` and `{stem}.bias`.
+    /// Loads the tensors `{stem}.weight` and `{stem}.bias`.
     pub fn load(weights: &Weights, stem: &str) -> Self {
         Self {
             weight: weights.values(&format!("{stem}.weight")),

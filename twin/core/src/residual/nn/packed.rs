@@ -1,4 +1,4 @@
-//! Weights laid out for the inner loops: panels of [`LANES`] outputs, each input after the other.
+//! Weights packed for the inner loops: panels of [`LANES`] outputs, with one input after the other.
 
 use super::kernels::{self, Kernel, LANES};
 use super::product::Product;
@@ -12,13 +12,13 @@ pub(crate) struct Packed {
     outputs: usize,
 }
 
-/// What a weight is stored as; sums are f32 either way.
+/// Storage format of a weight; sums are f32 in both cases.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Precision {
-    /// As trained.
+    /// f32, as trained.
     #[default]
     F32,
-    /// Rounded to the upper half of an f32: half the memory to read, 0.4 % off at most.
+    /// bf16, the upper half of an f32: half the memory, and a relative error of at most 0.4 %.
     Bf16,
 }
 
@@ -46,7 +46,8 @@ impl Packed {
         Self { panels, bias: bias.to_vec(), inputs, outputs }
     }
 
-    /// `x`: rows `stride_x` apart, whose first numbers count. `y`: [rows, outputs], as many rows as fit.
+    /// `x`: rows `stride_x` apart, of which the first `inputs` numbers are used. `y`: [rows, outputs], which gives the number of
+    /// rows.
     pub(crate) fn apply(&self, kernel: Kernel, x: &[f32], stride_x: usize, y: &mut [f32]) {
         let (inputs, outputs) = (self.inputs, self.outputs);
         let (rows, bias, stride_y) = (y.len() / outputs, &self.bias[..], outputs);
@@ -62,13 +63,13 @@ impl Packed {
         }
     }
 
-    /// The same for rows side by side.
+    /// Applies the map to contiguous rows.
     pub(crate) fn rows(&self, kernel: Kernel, x: &[f32], y: &mut [f32]) {
         self.apply(kernel, x, self.inputs, y);
     }
 }
 
-/// The nearest bf16, ties to even. A finite weight beyond its range becomes infinite only within 0.4 % of the largest f32.
+/// The nearest bf16, ties to even. A finite weight becomes infinite only within 0.4 % of the largest f32.
 fn bf16(value: f32) -> u16 {
     let bits = value.to_bits();
     let odd = (bits >> 16) & 1;
@@ -111,7 +112,7 @@ mod tests {
                             })
                             .sum::<f64>()
                             + f64::from(b[output]);
-                        // Up to 64 products of numbers up to one in single precision.
+                        // Up to 64 products of numbers up to one, in single precision.
                         assert!(
                             (f64::from(*found) - wanted).abs() < 1e-5,
                             "{kernel:?} {rows}x{inputs}x{outputs}"

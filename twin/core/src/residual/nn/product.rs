@@ -1,4 +1,4 @@
-//! The product of rows with packed weights, written once; [`super::kernels`] compiles it for each instruction set.
+//! The product of rows and packed weights, written once; [`super::kernels`] compiles it for each instruction set.
 //!
 //! In: f32 rows, weights in panels of [`LANES`] outputs. Out: f32 rows. No state.
 #![allow(
@@ -11,7 +11,7 @@ use super::kernels::{LANES, Lanes};
 
 /// The operands of `Y = X W^T + b`.
 pub(crate) struct Product<'a, W> {
-    /// Rows of `x`, `stride_x` apart; the first `inputs` numbers of each count.
+    /// Rows of `x`, `stride_x` apart; the first `inputs` numbers of each row are used.
     pub x: &'a [f32],
     pub stride_x: usize,
     pub rows: usize,
@@ -19,7 +19,7 @@ pub(crate) struct Product<'a, W> {
     /// Panels of `LANES` outputs, each [inputs, LANES].
     pub w: &'a [W],
     pub outputs: usize,
-    /// [outputs], or empty.
+    /// Bias, [outputs]; empty if there is none.
     pub bias: &'a [f32],
     /// Rows of the result, `stride_y` apart.
     pub y: &'a mut [f32],
@@ -37,7 +37,8 @@ pub(super) fn product_body<V: Lanes, W: Weight>(p: Product<'_, W>) {
         if !bias.is_empty() {
             start[..width].copy_from_slice(&bias[first..first + width]);
         }
-        // Wide panels come from memory: while the second block of rows reads this one from the cache, the next one is fetched.
+        // Wide panels come from memory. While the second block of rows reads this panel from the cache, the next panel is
+        // fetched.
         let next = all.chunks_exact(inputs).nth(panel + 1).unwrap_or(w);
         let mut row = 0;
         while row < rows {
@@ -74,7 +75,7 @@ pub(super) fn product_body<V: Lanes, W: Weight>(p: Product<'_, W>) {
     }
 }
 
-/// Where a tile of a product lies.
+/// Position of a tile in a product.
 struct Tile<'a, W> {
     x: &'a [f32],
     stride_x: usize,
@@ -83,12 +84,12 @@ struct Tile<'a, W> {
     stride_y: usize,
     start: &'a [f32; LANES],
     w: &'a [[W; LANES]],
-    /// As long as `w`: what to fetch meanwhile.
+    /// Memory to prefetch meanwhile, as long as `w`.
     ahead: &'a [[W; LANES]],
 }
 
-/// `ROWS` rows by one panel, the sums in registers; `WAYS` sums each where there are few rows, or every addition would wait for
-/// the one before.
+/// A tile of `ROWS` rows and one panel, with the sums in registers. With few rows each number has `WAYS` partial sums, so that an
+/// addition does not wait for the one before.
 #[inline(always)]
 fn tile<const ROWS: usize, const WAYS: usize, V: Lanes, W: Weight>(
     at: &Tile<'_, W>,
@@ -141,7 +142,7 @@ impl Weight for u16 {
     }
 }
 
-/// For every processor: the compiler's choice.
+/// The registers for every processor, as the compiler chooses them.
 #[derive(Clone, Copy)]
 pub(super) struct Plain([f32; LANES]);
 

@@ -1,4 +1,4 @@
-//! Sizes and flags of the Factorized Dynamics Transformer, and the tensors they stand for.
+//! Sizes and flags of the Factorized Dynamics Transformer, and the tensors that they imply.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,7 +10,7 @@ use super::{Head, WeightsError, sizes};
 pub struct FdtConfig {
     /// Input channels `d_v`.
     pub channels: usize,
-    /// Rows of the residual.
+    /// Number of coordinates of the residual.
     pub outputs: usize,
     /// Short window `T_s`, ticks.
     pub t_short: usize,
@@ -18,21 +18,21 @@ pub struct FdtConfig {
     pub t_long: usize,
     /// Width of a token, `d_model`.
     pub d_model: usize,
-    /// Attention heads of a layer.
+    /// Attention heads per layer.
     pub heads: usize,
     /// Hidden width of the decoder, `d_ff`.
     pub d_ff: usize,
-    /// Width of the regime `g'`.
+    /// Width of the regime `g'`, `d_k`.
     pub d_k: usize,
-    /// Attention layers.
+    /// Number of attention layers.
     pub layers: usize,
-    /// Horizon `k`: `k + 1` forecasts.
+    /// Horizon `k`, ticks; the network gives `k + 1` forecasts.
     pub horizon: usize,
-    /// A learned global token joins the channels' tokens.
+    /// True if a learned global token joins the channels' tokens.
     pub global_token: bool,
-    /// The short window is seen.
+    /// True if the network sees the short window.
     pub short_horizon: bool,
-    /// The long window is seen.
+    /// True if the network sees the long window.
     pub long_memory: bool,
 }
 
@@ -54,13 +54,13 @@ impl FdtConfig {
         long_memory: true,
     };
 
-    /// The paper's size, with `d_k` of 32 at every size.
+    /// The paper's size, but with `d_k` = 32.
     pub const PAPER: Self = Self { d_model: 512, heads: 8, d_ff: 2048, ..Self::SMALL };
 
-    /// The configuration in a head.
+    /// The configuration in `head`.
     ///
     /// # Errors
-    /// [`WeightsError`] if it is not one, or if its sizes do not fit each other or the head.
+    /// [`WeightsError`] if the head has no such configuration, or if its sizes contradict each other or the head.
     pub fn of(head: &Head) -> Result<Self, WeightsError> {
         let config: Self = sizes::read(head)?;
         config.check()?;
@@ -68,10 +68,10 @@ impl FdtConfig {
         Ok(config)
     }
 
-    /// Sizes within what fits into memory, and fitting each other.
+    /// Checks that the sizes fit into memory and are consistent.
     ///
     /// # Errors
-    /// [`WeightsError::Config`] naming the first that does not.
+    /// [`WeightsError::Config`] that names the first wrong size.
     pub fn check(&self) -> Result<(), WeightsError> {
         sizes::within(&[
             ("channels", self.channels, 256),
@@ -83,7 +83,7 @@ impl FdtConfig {
             ("d_ff", self.d_ff, 16_384),
             ("d_k", self.d_k, 1024),
             ("layers", self.layers, 32),
-            // One forecast at least.
+            // At least one forecast.
             ("horizon", self.horizon + 1, 64),
         ])?;
         sizes::heads_divide(self.heads, self.d_model)?;
@@ -91,14 +91,14 @@ impl FdtConfig {
             return Err(WeightsError::Config {
                 key: "global_token",
                 found: "false".to_owned(),
-                expected: "true where short_horizon is false: something must ask the memory"
+                expected: "true where short_horizon is false: a token must query the memory"
                     .to_owned(),
             });
         }
         Ok(())
     }
 
-    /// Numbers the decoder gives: `(k + 1)` forecasts of every row.
+    /// Number of outputs of the decoder: `(k + 1)` forecasts of every coordinate.
     pub fn readout(&self) -> usize {
         (self.horizon + 1) * self.outputs
     }

@@ -1,31 +1,31 @@
-//! What is wrong with a file of weights. One sentence each: what was found, what is allowed, what to do.
+//! The errors of a file of weights. Each message says what was found, what is allowed, and what to do.
 
 /// Why weights are refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum WeightsError {
     /// The file ends too early.
     #[error(
-        "the file is cut off or no safetensors file: its {found_bytes} bytes are not what its header promises; copy it again"
+        "the file is cut off, or it is no safetensors file: its {found_bytes} bytes do not match its header; copy it again"
     )]
     CutOff {
-        /// Size of the file.
+        /// Size of the file, bytes.
         found_bytes: usize,
     },
     /// The file is no safetensors file.
     #[error("no safetensors file: {reason}")]
     Container {
-        /// The reader's words.
+        /// Message of the reader.
         reason: String,
     },
-    /// The file says nothing about itself.
+    /// The file has no head.
     #[error(
         "the metadata has no key \"twin\"; only weights written by `twin train` say what they were trained on"
     )]
     NoHead,
-    /// The head is not what it must be.
+    /// The head cannot be read.
     #[error("the head (metadata key \"twin\") is not readable: {reason}")]
     Head {
-        /// What is wrong.
+        /// The reason.
         reason: String,
     },
     /// The head has another format.
@@ -38,132 +38,132 @@ pub enum WeightsError {
         /// Number this program knows.
         expected: u32,
     },
-    /// Weights of another model.
+    /// The weights belong to another model.
     #[error("weights of the model {found:?}, expected {expected:?}")]
     Model {
         /// Model in the file.
         found: String,
-        /// Model asked for.
+        /// Expected model.
         expected: &'static str,
     },
-    /// A size or flag of the model.
+    /// A size or flag of the model is wrong.
     #[error("config.{key} is {found}, expected {expected}")]
     Config {
-        /// Key.
+        /// Key in the configuration.
         key: &'static str,
-        /// What was found.
+        /// The value that was found.
         found: String,
-        /// What is allowed.
+        /// The allowed values.
         expected: String,
     },
-    /// A list of the head has another length.
+    /// A list of the head has the wrong length.
     #[error("{key} has {found} entries, expected {expected}")]
     Length {
-        /// Key.
+        /// Key of the list.
         key: &'static str,
-        /// Entries found.
+        /// Number of entries found.
         found: usize,
-        /// Entries expected.
+        /// Number of entries expected.
         expected: usize,
     },
-    /// A number of the head.
+    /// A number of the head is not allowed.
     #[error("{key}[{index}] is {found}, expected {expected}")]
     Number {
-        /// Key.
+        /// Key of the list.
         key: &'static str,
-        /// Place in the list.
+        /// Index in the list.
         index: usize,
-        /// What was found.
+        /// The value that was found.
         found: f64,
-        /// What is allowed.
+        /// The allowed values.
         expected: &'static str,
     },
-    /// Weights of another vehicle or of other inputs.
+    /// The weights belong to another vehicle or to other inputs.
     #[error(
         "{key}[{index}] is {found:?}, this vehicle has {expected:?}: the weights belong to other channels, train on this vehicle"
     )]
     Channel {
-        /// Key.
+        /// Key of the list.
         key: &'static str,
-        /// Place in the list.
+        /// Index in the list.
         index: usize,
         /// Name found.
         found: String,
         /// Name expected.
         expected: String,
     },
-    /// Another nominal inertia is part of every residual these weights were trained on.
+    /// The weights were trained with another nominal inertia, which is part of every residual.
     #[error(
         "the weights were trained with M̄ {row} = {found}, the controller has {expected}: M̄ is part of the residual; train with this M̄, or fly the preset they were trained with"
     )]
     Inertia {
-        /// Row.
+        /// Name of the coordinate.
         row: &'static str,
-        /// In the head.
+        /// Nominal inertia in the head, kg or kg m².
         found: f64,
-        /// In the controller.
+        /// Nominal inertia in the controller, kg or kg m².
         expected: f64,
     },
-    /// The history has another period.
+    /// The weights were trained at another rate.
     #[error(
         "the weights were trained at {found} Hz, the outer loop runs at {expected} Hz; set controller.outer_divisor, or train at this rate"
     )]
     Rate {
-        /// In the head, Hz.
+        /// Rate in the head, Hz.
         found: f64,
-        /// Of the loop, Hz.
+        /// Rate of the outer loop, Hz.
         expected: f64,
     },
-    /// A tensor is not there.
+    /// A tensor is missing.
     #[error("tensor {name:?} is missing, expected with shape {expected:?}")]
     Missing {
-        /// Tensor.
+        /// Name of the tensor.
         name: String,
-        /// Its shape.
+        /// Its expected shape.
         expected: Vec<usize>,
     },
-    /// A tensor the configuration does not know.
+    /// The file contains a tensor that the configuration does not have.
     #[error(
         "tensor {name:?} belongs to no part of the model that config describes; the file is of another model or version"
     )]
     Surplus {
-        /// Tensor.
+        /// Name of the tensor.
         name: String,
     },
-    /// A tensor of another shape.
+    /// A tensor has another shape.
     #[error("tensor {name:?} has shape {found:?}, config needs {expected:?}")]
     Shape {
-        /// Tensor.
+        /// Name of the tensor.
         name: String,
-        /// Found.
+        /// Shape that was found.
         found: Vec<usize>,
-        /// Expected.
+        /// Shape that was expected.
         expected: Vec<usize>,
     },
-    /// A tensor of another type.
+    /// A tensor has another type.
     #[error("tensor {name:?} has type {found}, expected F32")]
     Dtype {
-        /// Tensor.
+        /// Name of the tensor.
         name: String,
-        /// Found.
+        /// Type that was found.
         found: String,
     },
-    /// A weight that is not a number.
+    /// A weight is not finite.
     #[error(
         "tensor {name:?} holds {found} at index {index}, expected finite values; the training diverged, train again"
     )]
     NonFinite {
-        /// Tensor.
+        /// Name of the tensor.
         name: String,
-        /// Place in the flat tensor.
+        /// Index in the flat tensor.
         index: usize,
-        /// Value.
+        /// The value that was found.
         found: f32,
     },
-    /// Cannot be written.
+    /// The weights cannot be written.
     #[error("the weights cannot be written: {reason}")]
     Unwritable {
-        /// What is wrong.
+        /// The reason.
         reason: String,
     },
 }

@@ -1,108 +1,108 @@
-//! What a file of weights says about itself: the JSON under its metadata key `twin`.
+//! The head of a file of weights: the JSON under its metadata key `twin`.
 
 use serde::{Deserialize, Serialize};
 
 use super::WeightsError;
 use crate::notation::{Coords, N, ROWS};
 
-/// Format of the head this program reads and writes.
+/// Format of the head that this program reads and writes.
 pub const FORMAT: u32 = 1;
 
-/// Two nominal inertias count as one up to this relative difference: both are decimal numbers of a table.
+/// Relative difference up to which two nominal inertias count as equal; both are decimal numbers from a table.
 const INERTIA_TOLERANCE: f64 = 1e-6;
 
-/// Two rates count as one up to this difference, Hz.
+/// Difference up to which two rates count as equal, Hz.
 const RATE_TOLERANCE_HZ: f64 = 1e-6;
 
-/// What a file of weights says about itself.
+/// The head of a file of weights.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Head {
-    /// [`FORMAT`].
+    /// Format number, [`FORMAT`].
     pub format: u32,
-    /// A [`super::ModelKind`], or `sindy` or `gp`.
+    /// Name of the model: a [`super::ModelKind`], `sindy` or `gp`.
     pub model: String,
-    /// Sizes and flags of the model; of `fdt` an [`super::FdtConfig`].
+    /// Sizes and flags of the model; for `fdt` an [`super::FdtConfig`].
     pub config: serde_json::Value,
-    /// Input channels in order, [`channel_names`].
+    /// Names of the input channels in order, see [`channel_names`].
     pub channel_names: Vec<String>,
-    /// Rows of the residual in order, [`output_names`].
+    /// Names of the residual's coordinates in order, see [`output_names`].
     pub output_names: Vec<String>,
     /// Statistics of the training data.
     #[serde(flatten)]
     pub normalisation: Normalisation,
     /// Rate of the history, Hz.
     pub rate_hz: f64,
-    /// Nominal inertia `M_bar` that is part of every residual trained on, diagonal.
+    /// Diagonal of the nominal inertia `M_bar` in every residual of the training data, kg and kg m².
     pub m_bar: Vec<f64>,
     /// SHA-256 of the training data, hexadecimal.
     pub data_hash: String,
-    /// Version of the program that trained.
+    /// Version of the program that trained the weights.
     pub git: String,
     /// Seed of the training.
     pub seed: u64,
-    /// How the training went.
+    /// Record of the training.
     pub training: Training,
-    /// How the weights fly.
+    /// Scores of the weights in flight.
     pub acceptance: Acceptance,
 }
 
-/// Statistics of the training data: what turns physical units into z-scores and back.
+/// Statistics of the training data, which convert physical units to z-scores and back.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Normalisation {
-    /// Channels whose z-score is set to zero.
+    /// Names of the channels whose z-score is set to zero.
     pub masked: Vec<String>,
     /// Mean of each input channel, in its unit.
     pub input_mean: Vec<f64>,
     /// Standard deviation of each input channel, in its unit.
     pub input_std: Vec<f64>,
-    /// Mean of each row of the residual, N and N m.
+    /// Mean of each coordinate of the residual, N and N m.
     pub output_mean: Vec<f64>,
-    /// Standard deviation of each row of the residual, N and N m.
+    /// Standard deviation of each coordinate of the residual, N and N m.
     pub output_std: Vec<f64>,
-    /// The adapter sees `g'` times this: its squared norm is then 8 on average over the training windows.
+    /// Factor on the regime `g'` that the adapter receives: it makes the mean squared norm over the training windows 8.
     pub regime_scale: f64,
 }
 
-/// How the training went.
+/// Record of a training.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Training {
-    /// Epochs trained.
+    /// Number of epochs.
     pub epochs: u64,
-    /// Optimiser steps.
+    /// Number of optimiser steps.
     pub steps: u64,
     /// Windows per step.
     pub batch: u64,
-    /// Epoch whose weights these are.
+    /// Epoch that gave these weights.
     pub best_epoch: u64,
-    /// Mean squared z-score over the training windows.
+    /// Mean squared z-scored error over the training windows.
     pub train_loss: Option<f64>,
-    /// The same over windows held back.
+    /// Mean squared z-scored error over the validation windows.
     pub validation_loss: Option<f64>,
-    /// Duration, s.
+    /// Duration of the training, s of wall-clock time.
     pub wall_s: f64,
 }
 
-/// Coefficient of determination of the base forecast, flown in closed loop without the adapter; `None` if nobody flew it yet.
+/// R² of the base forecast, flown in closed loop without the adapter; `None` if it was not flown.
 ///
-/// What decides is the figure over both flights together: in a hover alone the residual varies by little more than the noise of
-/// its measurement, and R² divides by just that.
+/// The R² over both flights together decides. In a hover alone the residual varies little more than the noise of its measurement,
+/// and R² divides by that variance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Acceptance {
-    /// Over the ticks of both flights.
+    /// R² over the ticks of both flights.
     pub r2: Option<f64>,
-    /// In the hover alone.
+    /// R² in the hover alone.
     pub hover_r2: Option<f64>,
-    /// On the figure-8 alone.
+    /// R² on the figure-8 alone.
     pub figure_eight_r2: Option<f64>,
 }
 
 impl Acceptance {
-    /// The figure over both flights must be above this.
+    /// The R² over both flights must exceed this value.
     pub const LEAST_R2: f64 = 0.8;
 
-    /// The weights were flown, completed both flights and are above [`Acceptance::LEAST_R2`].
+    /// True if the weights completed both flights and exceed [`Acceptance::LEAST_R2`].
     pub fn passed(&self) -> bool {
         self.r2.is_some_and(|r2| r2 > Self::LEAST_R2)
     }
@@ -122,7 +122,7 @@ impl std::fmt::Display for Acceptance {
     }
 }
 
-/// The input channels of a predictor, oldest reading to newest: `chi`, `chi_dot` and the force of the previous tick.
+/// Names of a predictor's input channels: `chi`, `chi_dot` and the force of the previous tick.
 pub fn channel_names() -> Vec<String> {
     ["chi", "chi_dot", "tau"]
         .iter()
@@ -130,13 +130,13 @@ pub fn channel_names() -> Vec<String> {
         .collect()
 }
 
-/// The rows of the residual.
+/// Names of the residual's coordinates.
 pub fn output_names() -> Vec<String> {
     ROWS.iter().map(|row| (*row).to_owned()).collect()
 }
 
 impl Head {
-    /// What can be said without the model: format, lengths and numbers.
+    /// Checks format, lengths and numbers of the head, which do not depend on the model.
     pub(super) fn check(&self) -> Result<(), WeightsError> {
         if self.format != FORMAT {
             return Err(WeightsError::Format { found: self.format, expected: FORMAT });
@@ -170,10 +170,10 @@ impl Head {
         Ok(())
     }
 
-    /// The weights are of `model`.
+    /// Checks that the weights belong to `model`.
     ///
     /// # Errors
-    /// [`WeightsError::Model`] if they are of another one.
+    /// [`WeightsError::Model`] if they belong to another model.
     pub fn check_model(&self, model: &'static str) -> Result<(), WeightsError> {
         if self.model == model {
             return Ok(());
@@ -181,10 +181,10 @@ impl Head {
         Err(WeightsError::Model { found: self.model.clone(), expected: model })
     }
 
-    /// The weights see this vehicle's channels and forecast its residual.
+    /// Checks that the weights use this vehicle's channels and forecast its residual.
     ///
     /// # Errors
-    /// [`WeightsError::Channel`] or [`WeightsError::Length`] for those of another vehicle.
+    /// [`WeightsError::Channel`] or [`WeightsError::Length`] if the weights belong to another vehicle.
     pub fn check_channels(&self) -> Result<(), WeightsError> {
         same_names("channel_names", &self.channel_names, &channel_names())?;
         same_names("output_names", &self.output_names, &output_names())?;
@@ -205,10 +205,10 @@ impl Head {
         }
     }
 
-    /// The weights were trained on residuals of this `M_bar` at this rate, Hz.
+    /// Checks that the weights were trained on residuals with this `M_bar` (kg and kg m²) at this rate, Hz.
     ///
     /// # Errors
-    /// [`WeightsError::Inertia`] or [`WeightsError::Rate`] if not.
+    /// [`WeightsError::Inertia`] or [`WeightsError::Rate`] if they were not.
     pub fn check_loop(&self, m_bar: &Coords, rate_hz: f64) -> Result<(), WeightsError> {
         for row in 0..N.min(self.m_bar.len()) {
             let (found, expected) = (self.m_bar[row], m_bar[row]);

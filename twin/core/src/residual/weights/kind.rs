@@ -1,8 +1,8 @@
-//! The models that are trained by gradient: their words in configurations, flags and heads of files.
+//! The models that are trained by gradient descent, and their names in configurations, flags and heads of files.
 
 use serde::{Deserialize, Serialize};
 
-/// A model that is trained by gradient.
+/// A model that is trained by gradient descent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ModelKind {
@@ -10,9 +10,9 @@ pub enum ModelKind {
     Fdt,
     /// LSTM.
     Lstm,
-    /// Causal Transformer over time, sinusoidal positions.
+    /// Causal Transformer over time with sinusoidal positions.
     Transformer,
-    /// GPT-2-style decoder over time, learned positions.
+    /// GPT-2-style decoder over time with learned positions.
     Gpt2,
     /// Neural-Fly (DAIML).
     NeuralFly,
@@ -21,11 +21,11 @@ pub enum ModelKind {
 }
 
 impl ModelKind {
-    /// All of them, the FDT first.
+    /// All models, the FDT first.
     pub const ALL: [Self; 6] =
         [Self::Fdt, Self::Lstm, Self::Transformer, Self::Gpt2, Self::NeuralFly, Self::Mlp];
 
-    /// The word of flags and files.
+    /// Name of the model in flags and files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Fdt => "fdt",
@@ -37,7 +37,7 @@ impl ModelKind {
         }
     }
 
-    /// The model of this word; `None` if there is none.
+    /// The model called `word`; `None` if there is none.
     pub fn named(word: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| kind.name() == word)
     }

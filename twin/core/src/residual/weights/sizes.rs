@@ -1,4 +1,4 @@
-//! The sizes of a network as the head of a file states them, and the checks that every network shares.
+//! The sizes of a network from the head of its file, and the checks that all networks share.
 
 use serde::de::DeserializeOwned;
 
@@ -7,16 +7,16 @@ use super::{Head, WeightsError};
 /// The configuration in `head`.
 ///
 /// # Errors
-/// [`WeightsError::Head`] if it is not one of this network.
+/// [`WeightsError::Head`] if the head has no configuration of this network.
 pub(in crate::residual) fn read<T: DeserializeOwned>(head: &Head) -> Result<T, WeightsError> {
     serde_json::from_value(head.config.clone())
         .map_err(|error| WeightsError::Head { reason: format!("config: {error}") })
 }
 
-/// The network has as many input channels and rows of the residual as `head` names.
+/// Checks that the network has as many input channels and residual coordinates as `head` names.
 ///
 /// # Errors
-/// [`WeightsError::Config`] if not.
+/// [`WeightsError::Config`] if the numbers differ.
 pub(in crate::residual) fn fit(
     head: &Head,
     channels: usize,
@@ -34,10 +34,10 @@ pub(in crate::residual) fn fit(
     Ok(())
 }
 
-/// Each size, by its key, is from 1 to the most that is allowed.
+/// Checks that each size, given with its key, is between 1 and its maximum.
 ///
 /// # Errors
-/// [`WeightsError::Config`] naming the first that is not.
+/// [`WeightsError::Config`] that names the first wrong size.
 pub(in crate::residual) fn within(
     sizes: &[(&'static str, usize, usize)],
 ) -> Result<(), WeightsError> {
@@ -50,10 +50,10 @@ pub(in crate::residual) fn within(
     Ok(())
 }
 
-/// The width of a token is shared evenly by the attention heads.
+/// Checks that the number of attention heads divides the width of a token.
 ///
 /// # Errors
-/// [`WeightsError::Config`] if not.
+/// [`WeightsError::Config`] if it does not.
 pub(in crate::residual) fn heads_divide(heads: usize, d_model: usize) -> Result<(), WeightsError> {
     if d_model.is_multiple_of(heads) {
         return Ok(());

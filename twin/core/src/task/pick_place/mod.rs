@@ -1,8 +1,8 @@
-//! Pick a cube, carry it along a path, place it: a window-and-retry machine on measured signals.
+//! Picks a cube, carries it along a path and places it: a state machine with windows and retries on measured signals.
 //!
-//! A fixed dwell before closing succeeds in 7 to 9 of 10 attempts, because the tip wanders by 15 to 20 mm; waiting for the
-//! moment when the tip is centred *and will stay so* for the time the fingers need, and trying again when it was missed, is
-//! what makes the grasp reliable. Phases advance on conditions; every phase has a time-out that goes back or gives up.
+//! Closing after a fixed dwell succeeds in 7 to 9 of 10 attempts, because the tip wanders by 15 to 20 mm. The grasp becomes
+//! reliable by waiting for a moment when the tip is centred *and will stay centred* while the fingers close, and by trying again
+//! after a miss. Phases advance on conditions. Every phase has a time-out, after which the task goes back or gives up.
 
 mod phase;
 mod signals;
@@ -22,7 +22,7 @@ use crate::tick::{Adaptation, Event, EventKind, GripperCommand, Reference};
 pub use phase::Phase;
 use signals::Signals;
 
-/// What to pick, how to carry it and where to put it.
+/// The pick-and-place task: the cube, the path and the place.
 #[derive(Clone, Debug)]
 pub struct Mission {
     /// Base position at the start, m.
@@ -31,19 +31,19 @@ pub struct Mission {
     pub path: Curve,
     /// Cruise speed on the path, m/s.
     pub speed_m_s: f64,
-    /// Where the centre of the cube shall come to rest, m.
+    /// Place of the cube's centre, m.
     pub place: Vector3<f64>,
     /// Edge of the cube, m.
     pub cube_size_m: f64,
-    /// Smallest payload worth lifting, kg: less residual than 60 % of its weight after the lift is an empty hand.
+    /// Smallest payload worth lifting, kg. If the residual after the lift is below 60 % of its weight, the hand is empty.
     pub least_payload_kg: f64,
     /// Distance between the open pads, m.
     pub opening_m: f64,
-    /// Joint angles of the hand pointing down, rad.
+    /// Joint angles with the hand pointing down, rad.
     pub grasp_joints: Vector2<f64>,
     /// Joint angles during transport, rad.
     pub transit_joints: Vector2<f64>,
-    /// Attempts after which the task gives up.
+    /// Number of failed attempts beyond which the task gives up.
     pub retry_limit: u32,
 }
 
@@ -55,20 +55,21 @@ pub struct PickPlace {
     motion: Motion,
     signals: Signals,
     phase: Phase,
-    /// Time in the phase, and how long its condition has held, s.
+    /// Time in the phase, and time for which its condition has been true without interruption, s.
     phase_s: f64,
     held_s: f64,
     retries: u32,
-    /// Centre of the cube as last measured for picking, m.
+    /// Centre of the cube at the last measurement before the pick, m.
     cube: Vector3<f64>,
-    /// Cube centre minus tip while carried, m: corrects where the tip must go to place the cube.
+    /// Vector from the tip to the cube's centre while the cube is carried, m; it corrects the position of the tip for placing.
     cube_from_tip: Vector3<f64>,
-    /// Residual with empty hand above the cube, with the payload, just before the plunge onto the table, and its mean there.
+    /// Residuals: with the empty hand above the cube, with the payload, just before the plunge onto the table, and the mean above
+    /// the place; N and N m.
     r_empty: Coords,
     r_loaded: Coords,
     r_before_plunge: Coords,
     r_above_place: Coords,
-    /// Running mean of the phase.
+    /// Mean of the present phase so far.
     mean: Mean,
     finished: bool,
     gave_up: Option<String>,
@@ -92,7 +93,7 @@ impl Mean {
 }
 
 impl PickPlace {
-    /// Ready at the start of `mission`.
+    /// The task at the start of `mission`.
     pub fn new(mission: Mission, arm: Arc<dyn ToolKinematics>) -> Self {
         let (start, joints) = (mission.start, mission.transit_joints);
         let path = TimedPath::new(mission.path, mission.speed_m_s);
@@ -119,7 +120,7 @@ impl PickPlace {
         }
     }
 
-    /// Enters `phase`; timers and means start anew.
+    /// Enters `phase` and restarts timers and means.
     fn enter(&mut self, phase: Phase) {
         self.events.push(Event::new(EventKind::Phase, phase.sentence()));
         self.phase = phase;
@@ -128,24 +129,24 @@ impl PickPlace {
         self.mean = Mean::default();
     }
 
-    /// True once `condition` has held for `needed_s`.
+    /// True once `condition` has been true for `needed_s` without interruption.
     fn held(&mut self, condition: bool, needed_s: f64, dt_s: f64) -> bool {
         self.held_s = if condition { self.held_s + dt_s } else { 0.0 };
         self.held_s >= needed_s
     }
 
-    /// Base posture that brings the tip to `tip` with the arm at `joints`, level and heading 0.
+    /// Posture of the base, level and heading 0, that brings the tip to `tip` (m) with the arm at `joints` (rad).
     fn posture_for_tip(&self, tip: &Vector3<f64>, joints: &Vector2<f64>) -> Posture {
         let base = tip - self.arm.tool_in_body(joints).translation.vector;
         Posture::new(base.x, base.y, base.z, 0.0, joints.x, joints.y)
     }
 
-    /// Height of the base that puts the tip at `tip_z_m` with the hand down.
+    /// Height of the base that brings the tip to `tip_z_m` with the hand down, m.
     fn base_z(&self, tip_z_m: f64) -> f64 {
         tip_z_m - self.arm.tool_in_body(&self.mission.grasp_joints).translation.z
     }
 
-    /// Where the tip is meant to be now, from the reference.
+    /// Position of the tip according to the reference, m.
     fn tip_reference(&self) -> Vector3<f64> {
         let p = self.motion.posture();
         Vector3::new(p[0], p[1], p[2])

@@ -1,69 +1,69 @@
 //! Phases of pick and place, in order.
 
-/// Where the task is.
+/// A phase of the task.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
-    /// Hover at the start while estimator and adapter settle.
+    /// Hovers at the start while estimator and adapter settle.
     Settle,
-    /// Fly above the cube, arm to the grasp pose.
+    /// Flies above the cube and moves the arm to the grasp pose.
     Approach,
-    /// Wait above the cube until the tip is centred and slow.
+    /// Waits above the cube until the tip is centred and slow.
     Align,
-    /// Come down to just above the cube, pausing when off centre.
+    /// Descends to just above the cube, and pauses when off centre.
     Descend,
-    /// Go down around the cube quickly.
+    /// Descends quickly around the cube.
     Plunge,
-    /// Wait for a centred moment.
+    /// Waits for a centred moment.
     Dwell,
-    /// Close the fingers.
+    /// Closes the fingers.
     Close,
-    /// Lift the cube.
+    /// Lifts the cube.
     Lift,
-    /// Hang still and weigh: the residual tells the payload, the cameras where the cube sits in the hand.
+    /// Hovers still and weighs: the residual gives the payload, the cameras the position of the cube in the hand.
     Weigh,
-    /// Arm to the transit pose, base to the start of the path.
+    /// Moves the arm to the transit pose and the base to the start of the path.
     Fold,
-    /// Follow the path.
+    /// Follows the path.
     Carry,
-    /// Above the place, arm to the grasp pose.
+    /// Moves the arm to the grasp pose above the place.
     Extend,
-    /// Wait above the place until centred.
+    /// Waits above the place until centred.
     PlaceAlign,
-    /// Come down to just above the surface.
+    /// Descends to just above the surface.
     PlaceDescend,
-    /// Wait for a centred moment.
+    /// Waits for a centred moment.
     PlaceWait,
-    /// Go down until the surface carries the cube.
+    /// Descends until the surface carries the cube.
     PlacePlunge,
-    /// In contact: adaptation held.
+    /// In contact with the surface; the adaptation is frozen.
     Touchdown,
-    /// Open the fingers.
+    /// Opens the fingers.
     Open,
-    /// Draw the hand up from the cube.
+    /// Draws the hand up from the cube.
     Retreat,
-    /// Climb away.
+    /// Climbs away.
     Leave,
-    /// Hover, then done.
+    /// Hovers; the task is then done.
     Rest,
 }
 
 impl Phase {
-    /// Phases handled by the picking half.
+    /// Whether the picking half of the task handles the phase.
     pub(super) fn picks(self) -> bool {
         (self as u8) <= (Self::Weigh as u8)
     }
 
-    /// The gripper is commanded to close.
+    /// Whether the gripper is commanded to close.
     pub(super) fn grips(self) -> bool {
         (Self::Close as u8..=Self::Touchdown as u8).contains(&(self as u8))
     }
 
-    /// The payload hangs in the gripper and moves with it.
+    /// Whether the payload hangs in the gripper and moves with it.
     pub(super) fn transports(self) -> bool {
         (Self::Lift as u8..=Self::PlacePlunge as u8).contains(&(self as u8))
     }
 
-    /// Stable name.
+    /// Name in scenarios and recordings; it never changes.
     pub fn name(self) -> &'static str {
         match self {
             Self::Settle => "settle",
@@ -90,7 +90,7 @@ impl Phase {
         }
     }
 
-    /// One sentence for the event list.
+    /// Sentence for the event list.
     pub(super) fn sentence(self) -> &'static str {
         match self {
             Self::Settle => "hovering at the start",
@@ -109,7 +109,7 @@ impl Phase {
             Self::PlaceDescend => "coming down to the place",
             Self::PlaceWait => "waiting for a centred moment above the place",
             Self::PlacePlunge => "setting the cube down",
-            Self::Touchdown => "touched down, adaptation held",
+            Self::Touchdown => "touched down, adaptation frozen",
             Self::Open => "opening the fingers",
             Self::Retreat => "drawing the hand back",
             Self::Leave => "climbing away",

@@ -1,4 +1,4 @@
-//! From the start to the weighed payload.
+//! The picking half of the task, from the start to the weighed payload.
 
 use nalgebra::Vector3;
 
@@ -9,9 +9,9 @@ use crate::task::View;
 use crate::task::motion::Posture;
 use crate::tick::{Event, EventKind};
 
-/// Tip above the cube's centre while gripping, m: lower, and a finger could touch the box.
+/// Height of the tip above the cube's centre while gripping, m; lower, a finger could touch the box.
 const GRIP_ABOVE_CENTRE_M: f64 = 0.006;
-/// Tip above its grip height while aligning, and where the plunge begins, m.
+/// Heights of the tip above its grip height for aligning and for the start of the plunge, m.
 const ALIGN_ABOVE_M: f64 = 0.150;
 const PLUNGE_FROM_M: f64 = 0.060;
 
@@ -19,20 +19,20 @@ const SETTLE_S: f64 = 3.0;
 const APPROACH_S: f64 = 3.0;
 const DESCEND_M_S: f64 = 0.06;
 const PLUNGE_M_S: f64 = 0.15;
-/// The cube is lifted to where the empty hand was aligned: payload and empty hand are weighed in the same ground effect.
+/// Height of the lift, m. The cube is weighed where the empty hand was aligned, so that both are in the same ground effect.
 const LIFT_M: f64 = ALIGN_ABOVE_M;
 const LIFT_S: f64 = 2.0;
 const LIFT_HOLD_S: f64 = 1.0;
 const WEIGH_S: f64 = 1.0;
 const RETRY_CLIMB_S: f64 = 1.5;
 
-/// Windows in m, m/s and s: see the table of the grasping study.
+/// Windows for position (m), speed (m/s) and time (s), from the table of the grasping study.
 const ALIGN_WINDOW_M: f64 = 0.015;
 const ALIGN_SPEED_M_S: f64 = 0.06;
 const DESCEND_PAUSE_M: f64 = 0.030;
 const DESCEND_WINDOW_M: f64 = 0.008;
 const DWELL_WINDOW_M: [f64; 3] = [0.012, 0.015, 0.012];
-/// A finger is about to lean on the cube when less than this is left of its clearance, m; leaning winds the residual up.
+/// Clearance below which a finger is about to lean on the cube, m. A leaning finger makes the residual grow.
 const LEAN_M: f64 = 0.006;
 const CLOSED_SPEED_M_S: f64 = 0.002;
 
@@ -41,7 +41,7 @@ const DESCEND_TIMEOUT_S: f64 = 30.0;
 const DWELL_TIMEOUT_S: f64 = 4.0;
 const CLOSE_TIMEOUT_S: f64 = 3.0;
 
-/// Residual change that means the hand stands on something, N: horizontally and vertically.
+/// Change of the residual that means contact of the hand, N: horizontal and vertical.
 const CONTACT_N: [f64; 2] = [2.0, 4.0];
 
 impl PickPlace {
@@ -119,7 +119,7 @@ impl PickPlace {
         }
     }
 
-    /// Free play of the cube between the open pads on each side, m.
+    /// Clearance of the cube between the open pads on each side, m.
     fn clearance(&self) -> f64 {
         0.5 * (self.mission.opening_m - self.mission.cube_size_m)
     }
@@ -207,7 +207,7 @@ impl PickPlace {
         self.enter(Phase::Fold);
     }
 
-    /// Opens, climbs and tries again, or gives up.
+    /// Opens the gripper, climbs and tries again, or gives up after too many attempts.
     fn retry(&mut self, why: &str) {
         self.retries += 1;
         if self.retries > self.mission.retry_limit {

@@ -1,4 +1,4 @@
-//! From the weighed payload to the cube at rest on the surface.
+//! The placing half of the task, from the weighed payload to the cube at rest on the surface.
 
 use nalgebra::Vector3;
 
@@ -14,13 +14,14 @@ const FOLD_HOLD_S: f64 = 0.5;
 const CARRY_HOLD_S: f64 = 0.5;
 const EXTEND_S: f64 = 3.5;
 const PLACE_ALIGN_ABOVE_M: f64 = 0.120;
-/// Gap between cube and surface where the last plunge begins, m: small and quick gives the smallest placing error.
+/// Gap between cube and surface at which the last plunge starts, m; a small gap and a quick plunge give the smallest placing
+/// error.
 const GAP_M: f64 = 0.012;
 const PLACE_DESCEND_M_S: f64 = 0.06;
 const PLACE_PLUNGE_M_S: f64 = 0.12;
-/// The reference may go this far below the expected contact before touchdown is felt, m.
+/// Depth below the expected contact to which the reference descends until touchdown is detected, m.
 const BELOW_CONTACT_M: f64 = 0.030;
-/// Share of the payload's weight that must be carried by the surface, and for how long, s.
+/// Share of the payload's weight that the surface must carry for touchdown, and the time for which it must carry it, s.
 const UNLOADED_SHARE: f64 = 0.4;
 const UNLOADED_S: f64 = 0.03;
 const SETTLE_IN_CONTACT_S: f64 = 0.15;
@@ -66,7 +67,7 @@ impl PickPlace {
         }
     }
 
-    /// Where the tip must be to leave the cube `gap_m` above its place.
+    /// Position of the tip that puts the cube `gap_m` above its place, m.
     fn tip_above_place(&self, gap_m: f64) -> Vector3<f64> {
         self.mission.place - self.cube_from_tip + Vector3::new(0.0, 0.0, gap_m)
     }
@@ -128,7 +129,8 @@ impl PickPlace {
         if self.held(unloaded, UNLOADED_S, dt_s) {
             let chi = &view.measurement.chi;
             let joints = self.motion.posture();
-            // In contact the reference holds the measured pose: waiting in contact against it winds the loop up.
+            // In contact the reference takes over the measured pose, because a position error against the surface would make the
+            // estimates grow.
             self.motion.hold_at(Posture::new(chi[0], chi[1], chi[2], 0.0, joints[4], joints[5]));
             self.enter(Phase::Touchdown);
         } else if self.phase_s > PLUNGE_TIMEOUT_S {
@@ -158,7 +160,8 @@ impl PickPlace {
         self.enter(phase);
     }
 
-    /// The residual hovering above the place, less what the payload added at the pick on the rows that carry weight.
+    /// Residual of the hover above the place, minus the payload's contribution (measured at the pick) on the coordinates that
+    /// carry weight, N and N m.
     pub(super) fn residual_without_payload(&self) -> Coords {
         let mut step = self.r_empty - self.r_loaded;
         for row in [0, 1, 5] {
