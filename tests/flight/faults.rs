@@ -155,7 +155,7 @@ fn broken_measurements_become_a_fault_and_reach_no_actuator() {
         |measurement| measurement.chi_dot[4] = f64::INFINITY,
         |measurement| measurement.chi_ddot[7] = f64::NAN,
         |measurement| measurement.tau_applied[2] = f64::NEG_INFINITY,
-        |measurement| measurement.chi = Coords::repeat(f64::NAN),
+        |measurement| measurement.chi = Coords::repeat(f64::NAN).into(),
     ];
     for breaks in breaks {
         let (parts, commands) = parts(breaks);

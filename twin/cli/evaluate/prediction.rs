@@ -137,19 +137,21 @@ const PLACES: [(usize, usize); COLUMNS.len()] =
 
 fn print_table(table: &PredictionTable) {
     let columns = || COLUMNS.into_iter().zip(PLACES);
-    let heads: String = columns()
+    let heads: Vec<String> = columns()
         .map(|(column, (gap, width))| format!("{:gap$}{:>width$}", "", column.short))
         .collect();
-    println!("{:30} {:>8}{heads}   paper: RMSE    R²     ms", "a priori", "params");
+    println!("{:30} {:>8}{}   paper: RMSE    R²     ms", "a priori", "params", heads.concat());
     for row in &table.rows {
-        let figure = |(Column { decimals, value, .. }, (gap, width)): (Column, (usize, usize))| {
-            format!("{:gap$}{:width$.decimals$}", "", value(&row.replayed))
-        };
+        let figures: Vec<String> = columns()
+            .map(|(Column { decimals, value, .. }, (gap, width))| {
+                format!("{:gap$}{:width$.decimals$}", "", value(&row.replayed))
+            })
+            .collect();
         println!(
             "{:30} {:>8}{}   {}",
             row.label,
             row.parameters.map_or_else(|| "-".to_owned(), |n| n.to_string()),
-            columns().map(figure).collect::<String>(),
+            figures.concat(),
             row.paper.map_or_else(String::new, paper_cells),
         );
     }

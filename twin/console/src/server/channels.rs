@@ -213,7 +213,7 @@ impl Builder {
             info.limits = Some(limits.rotor_thrust_n);
         }
         self.add(GROUP, "N", "thrust_total_n", "total thrust", move |tick, _| {
-            thrusts(tick).iter().take(rotors).sum()
+            thrusts(tick).iter().take(rotors).sum::<f64>()
         });
         for joint in 0..2 {
             let name = format!("joint_torque.{}", joint + 1);
