@@ -25,8 +25,8 @@ fn truth(index: u64) -> Truth {
         quaternion_wxyz: [1.0, 0.0, 0.0, 0.0],
     };
     Truth {
-        chi: coords(index, 1).into(),
-        chi_dot: coords(index, 11).into(),
+        chi: coords(index, 1),
+        chi_dot: coords(index, 11),
         poses: vec![pose(200), pose(300)],
         payload_position: Vector3::new(0.1, 0.2, number(index, 5)),
         payload_tilt_rad: 0.01,

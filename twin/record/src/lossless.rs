@@ -9,6 +9,9 @@ use serde::forward_to_deserialize_any;
 use serde_json::{Error, Value};
 
 /// Reads one record; `null` in the place of a number is NaN.
+///
+/// # Errors
+/// `serde_json`'s error for text that is no JSON or not of the type `T`.
 pub fn from_json<T: DeserializeOwned>(text: &[u8]) -> Result<T, Error> {
     // Nearly every record is finite, and `serde_json` alone reads those several times faster.
     if let Ok(record) = serde_json::from_slice(text) {

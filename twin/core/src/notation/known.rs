@@ -168,8 +168,8 @@ mod tests {
             let values = KnownCoords::from(Coords::repeat(value)).only(known);
             prop_assert_eq!(values.known(), known);
             prop_assert_eq!(values.only([true; N]), values);
-            for row in 0..N {
-                prop_assert_eq!(values.get(row).map(f64::to_bits), known[row].then_some(value.to_bits()));
+            for (row, known) in known.iter().enumerate() {
+                prop_assert_eq!(values.get(row).map(f64::to_bits), known.then_some(value.to_bits()));
             }
         }
     }

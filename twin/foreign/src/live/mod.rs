@@ -58,7 +58,7 @@ impl Live {
             });
         let thread = thread
             .inspect_err(|error| {
-                tracing::error!("cannot start the thread that listens to the stream: {error}")
+                tracing::error!("cannot start the thread that listens to the stream: {error}");
             })
             .ok();
         Ok(Self { shared, thread })

@@ -4,7 +4,7 @@
 //! - **First layer**: with `C` the subtraction of the mean, `LN(W_e z + p) = diag(w) C (W_e z + p) / s + b`, so
 //!   `W_qkv LN = (A z + B) / s + c` with `A = W_qkv diag(w) C W_e`, `B = W_qkv diag(w) C p`, `c = W_qkv b`.
 //! - **Memory**: with one query, `q . W_K (H u + p) = (H^T W_K^T q) . u + q . W_K p`, and
-//! `sum alpha W_V (H u + p) = W_V H (sum alpha u) + sum alpha W_V p`. The memory of a channel is therefore never computed.
+//!   `sum alpha W_V (H u + p) = W_V H (sum alpha u) + sum alpha W_V p`. The memory of a channel is therefore never computed.
 
 use super::super::nn::LayerNorm;
 use super::model::{Long, Model, Short};
