@@ -16,7 +16,7 @@ use twin_core::control::{Adaptive, Allocation, Gains, Preset, Rotor, Rows};
 use twin_core::elementary::squared;
 use twin_core::filter::LowPass;
 use twin_core::flight::{Flight, Parts};
-use twin_core::notation::{Coords, GRAVITY_M_S2, KnownCoords, N, ROWS, TICK_S};
+use twin_core::notation::{Coords, GRAVITY_M_S2, KnownCoords, N, TICK_S};
 use twin_core::residual::{Predictor, RandomFeatures, label, lra};
 use twin_core::task::{Step, Task, View};
 use twin_core::tick::{Adaptation, Event, EventKind, GripperCommand, Reference, Setpoint, Tick};
@@ -329,9 +329,4 @@ impl Task for Watch {
             gave_up: None,
         }
     }
-}
-
-/// Unit of a row's residual.
-pub(super) fn unit(row: usize) -> &'static str {
-    if matches!(ROWS[row], "x" | "y" | "z") { "N" } else { "N m" }
 }

@@ -7,7 +7,6 @@ use std::collections::VecDeque;
 
 use serde::Serialize;
 
-use super::shadow::unit;
 use twin_core::elementary::squared;
 use twin_core::notation::{Coords, KnownRows, N, ROWS, known_in_both};
 use twin_core::residual::HORIZON;
@@ -179,4 +178,9 @@ impl Score {
         });
         Scored { rows: rows.collect(), prediction: prediction.collect() }
     }
+}
+
+/// Unit of a row's residual.
+fn unit(row: usize) -> &'static str {
+    if matches!(ROWS[row], "x" | "y" | "z") { "N" } else { "N m" }
 }
