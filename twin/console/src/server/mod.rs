@@ -33,11 +33,12 @@ mod http;
 #[cfg_attr(not(feature = "foxglove-ws"), path = "no_foxglove.rs")]
 mod foxglove;
 mod running;
+mod mirroring;
 
 #[cfg(test)]
 mod typescript;
 
-pub use mirrored::{MirrorOptions, serve_mirror, spawn_mirror};
+pub use mirroring::{MirrorOptions, serve_mirror, spawn_mirror};
 pub use running::Running;
 
 use std::collections::BTreeMap;

@@ -1,0 +1,67 @@
+//! Serving a recording: from the options to the flight that plays it.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use crate::server::logbook::Logbook;
+use crate::server::mirrored::Mirrored;
+use crate::server::pilot::{Mission, Orders};
+use crate::server::place::{Beside, Place};
+use crate::server::running::{Running, watch};
+use crate::server::{ServerError, launch};
+use twin_foreign::{Live, OpenedFlight};
+
+/// Which recording to serve.
+pub struct MirrorOptions {
+    /// The recording.
+    pub opened: OpenedFlight,
+    /// Where it comes from, if it still goes on.
+    pub live: Option<Live>,
+    /// Where to listen: a loopback name or address.
+    pub host: String,
+    /// Where to listen; 0 takes any free port.
+    pub port: u16,
+    /// Seconds of the recording per second; `None` is as fast as the machine can.
+    pub speed: Option<f64>,
+    /// Where to start, s.
+    pub start_s: f64,
+    /// Wait for an operator.
+    pub start_paused: bool,
+    /// Folder with the stock viewers, as `twin viewers fetch` leaves it; `None` if there is none.
+    pub viewer_dir: Option<PathBuf>,
+    /// Port for Foxglove, 0 for any free one; `None` for no such server.
+    pub foxglove_port: Option<u16>,
+}
+
+/// Serves a recording until Ctrl+C.
+///
+/// # Errors
+/// [`ServerError`] if it cannot start.
+pub fn serve_mirror(options: MirrorOptions) -> Result<(), ServerError> {
+    watch(spawn_mirror(options)?)
+}
+
+/// Serves a recording in the background.
+///
+/// # Errors
+/// [`ServerError`] if it cannot start.
+pub fn spawn_mirror(options: MirrorOptions) -> Result<Running, ServerError> {
+    let mirrored = Arc::new(Mirrored::new(&options.opened, options.live.map(Arc::new)));
+    let tuning = *mirrored.shadow.tuning();
+    let orders = Orders {
+        mission: Mission::Mirror { mirrored, start_s: options.start_s },
+        catalogue: Vec::new(),
+        speed: options.speed,
+        start_paused: options.start_paused,
+        logbook: Logbook::new(None),
+    };
+    // A recording has no vehicle of ours, and so no files of one; of its joints it says the angles.
+    let foxglove = options.foxglove_port.map(|port| Beside {
+        port,
+        vehicles: BTreeMap::new(),
+        recorded_joints: options.opened.recorded.joint_names.clone(),
+    });
+    let MirrorOptions { host, port, viewer_dir, .. } = options;
+    launch(orders, &tuning, true, Place { host, port, viewer_dir, foxglove })
+}
