@@ -1,4 +1,4 @@
-// The console: one store fed by one link, three views on it, one frame loop. What can be done is in `commands`.
+// The console: one link feeds one store, three views show the store, and one loop draws the frames. `commands` lists all actions.
 import { handReading } from "./panels/handReading";
 import { Store } from "./data/store";
 import { installHooks } from "./hooks";
@@ -20,7 +20,7 @@ import { preferProcessorCanvas } from "./plots/software";
 import { PROTOCOL_VERSION, type ServerMessage } from "./protocol";
 import { World } from "./scene/world";
 
-/** How often it is asked whether data are old, ms. */
+/** Time between two checks whether the data are stale, ms. */
 const AGE_EVERY_MS = 100;
 
 const store = new Store();
@@ -37,7 +37,7 @@ const log = new EventLog((event) => charts.showEvent(event));
 charts.onCursor = (tick) => log.mark(tick);
 const bar = new TopBar(store, link);
 const cameras = cameraButtons(() => world);
-/** The recording that is shown. */
+/** File of the mirrored recording on the screen; null if there is none. */
 let shownFile: string | null = null;
 const sceneView = world === null ? null : new SceneView(world, store);
 commands.register(
@@ -59,7 +59,7 @@ let retryAt = 0;
 let ageAt = 0;
 const texts = new Beat();
 let stale = false;
-/** The reading before found nothing new. */
+/** Whether the last check found the data stale. */
 let suspect = false;
 const address = new URL("/ws", location.href);
 address.protocol = location.protocol === "https:" ? "wss:" : "ws:";
@@ -126,7 +126,7 @@ function hello(received: Extract<ServerMessage, { type: "hello" }>): void {
   followed(received.mirror?.file ?? null);
 }
 
-/** A recorded flight goes where no arena is: the camera goes with it until somebody chooses another. */
+/** Lets the camera follow the vehicle of a new recording, because a recorded flight has no arena that the camera could show. */
 function followed(file: string | null): void {
   if (file !== null && file !== shownFile) cameras.follow();
   shownFile = file;
@@ -157,8 +157,8 @@ function frame(now: number): void {
 }
 
 /**
- * Stale data is greyed. It has to be found stale twice in a row: after a page that was busy for long, what came meanwhile is
- * taken in between.
+ * Greys the page while data are stale. While the connection is open, two checks in a row must find them stale: a page that was busy
+ * for long adds the waiting frames between two checks.
  */
 function age(): void {
   const old = link.health.stale(clockMs(), store.state?.phase === "flying");
@@ -171,7 +171,7 @@ function age(): void {
   readings();
 }
 
-/** Texts that change all the time, and the banner that says why data are stale. */
+/** Writes the texts that change all the time, and the banner that says why data are stale. */
 function readings(): void {
   bar.readings(stale);
   mirror.readings();

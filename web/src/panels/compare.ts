@@ -1,4 +1,4 @@
-// The compare tab: gains beside the preset or a stored set, the sets A and B, and the way into a scenario file.
+// The compare tab: the gains beside the preset or a stored set, the sets A and B, and the text for a scenario file.
 import { byId, element, setText } from "./dom";
 import { diff, type DiffRow, presetOf } from "./gainDiff";
 import type { GainPanel } from "./gains";
@@ -27,7 +27,7 @@ export class Compare {
     this.show();
   }
 
-  /** From A to B or from B to A; from anything else to A. */
+  /** Switches from set A to B or from B to A; from any other gains to A. */
   toggle(): void {
     const slot = this.sets.next(this.gains.desk.expected());
     if (slot === null) {

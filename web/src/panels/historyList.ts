@@ -1,4 +1,4 @@
-// The history tab: every change this page made, newest first; choosing one goes to the gains as they were after it.
+// The history tab lists every change that this page made, newest first. Choosing a change restores the gains after it.
 import { byId, element } from "./dom";
 import type { GainDesk } from "./gainDesk";
 

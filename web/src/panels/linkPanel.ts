@@ -1,4 +1,4 @@
-// Health of the link in numbers, under the age in the top bar.
+// The panel with the health of the connection in numbers, below the age in the top bar.
 import type { LinkHealth } from "../link/health";
 import { byId, element } from "./dom";
 import { hang, isOpen } from "./popover";

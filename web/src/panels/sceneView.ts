@@ -1,4 +1,4 @@
-// Everything in words over the 3-D view: the list of what is drawn, the key, the chosen body's card, wind, the push.
+// The texts and controls over the 3-D view: the list of things to draw, the legend, the card of the chosen body, wind and push.
 import type { Store } from "../data/store";
 import { MOST_PUSH_N } from "../scene/push";
 import type { World } from "../scene/world";
@@ -33,20 +33,20 @@ export class SceneView {
     this.register();
   }
 
-  /** Another flight. */
+  /** Takes another flight. */
   rebuild(): void {
     this.list.rebuild();
     this.key.show();
     this.readings();
   }
 
-  /** Another body was chosen, or none. */
+  /** Takes note that another body was chosen, or none. */
   chosen(): void {
     this.list.show();
     this.card.readings();
   }
 
-  /** Once per drawing. */
+  /** Updates the texts; called once per frame. */
   frame(now: number): void {
     this.showPush();
     if (this.texts.due(now)) this.readings();

@@ -1,16 +1,16 @@
-// What can be shown in the 3-D view: names, keys and colours, in the order of the list and of the key to the picture.
+// The kinds of things that the 3-D view can show: names, keys and colours, in the order of the list and of the legend.
 import type { ViewKind } from "../scene/settings";
 
 export interface KindInfo {
   kind: ViewKind;
-  /** In the list. */
+  /** Name in the list. */
   label: string;
-  /** In the key to the picture; none for what explains itself. */
+  /** Name in the legend; a kind that needs no explanation has none. */
   brief?: string;
-  /** Says more, on pointing. */
+  /** Help that appears when the operator points at the name. */
   help: string;
   key?: string;
-  /** Class of the line in the key. */
+  /** CSS class of the line in the legend. */
   mark?: string;
 }
 
