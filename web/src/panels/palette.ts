@@ -52,7 +52,7 @@ export class CommandPalette {
       this.choose(Math.min(this.items.length - 1, Math.max(0, wrapped)));
     } else if (event.key === "Enter") {
       event.preventDefault();
-      // An item that was locked when the list was made may be usable now, so the list is made again.
+      // An item that was locked when the list was made may be usable now, so the search runs again.
       const { chosen } = this;
       this.search();
       this.choose(Math.min(chosen, Math.max(0, this.items.length - 1)));

@@ -1,4 +1,4 @@
-// What can be done with the charts by key. While they are inspected, the arrows move their cursor instead of the flight.
+// The commands of the charts. During an inspection the arrow keys move the cursor of the charts and do not step the flight.
 import { type Command, commands } from "../panels/commands";
 import type { View } from "./view";
 
@@ -8,7 +8,7 @@ export interface KeyTarget {
   tickS(): number;
   oldest(): number;
   newest(): number;
-  /** The cursor was moved by a key: say what is there. */
+  /** Tells the values at the cursor after a key has moved it. */
   moved(): void;
 }
 
@@ -49,10 +49,10 @@ export function registerChartKeys(target: KeyTarget): void {
   );
 }
 
-/** What the palette offers besides. */
+/** Actions of the charts that only the palette offers. */
 export interface ChartActions {
   toggleZscore(): void;
-  /** A chart of the operator's own. */
+  /** Adds a chart of the operator's own. */
   add(): void;
   toDefault(): void;
   forgetRange(): void;
@@ -72,7 +72,7 @@ export function registerChartActions(charts: ChartActions): void {
   );
 }
 
-/** Two marks closer than this are one, s. */
+/** Marks that are closer together than this count as one, s. */
 function reach(view: View): number {
   const [from, to] = view.span();
   return (to - from) / 200;

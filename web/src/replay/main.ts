@@ -1,4 +1,4 @@
-// A recorded flight as one page without a server: the console's own 3-D view, charts and events on one clock.
+// The page of a recorded flight, which needs no server: the 3-D view, the charts and the events of the console on one clock.
 import { Store } from "../data/store";
 import { cameraButtons } from "../panels/cameraButtons";
 import { commands } from "../panels/commands";
@@ -19,7 +19,7 @@ import "./replay.css";
 
 declare global {
   interface Window {
-    /** What a test may read of the page. */
+    /** The values of the page that a browser test may read. */
     __replay?: { readonly time: number; readonly playing: boolean; readonly frames: number; readonly failures: number; readonly shownPose: number[] };
   }
 }
@@ -107,7 +107,7 @@ function start({ head, frames }: Flight): void {
     before = now;
     if (next !== time) seek(next);
     const { pinned } = charts.view;
-    // Without a cursor the charts would follow the newest tick, which a replay has not.
+    // Without a cursor the charts would follow the newest tick, but a replay has all ticks from the start.
     if (pinned === null) charts.view.show(time);
     else time = Math.min(player.endS, Math.max(player.startS, pinned));
     player.show(time);
@@ -129,7 +129,7 @@ function start({ head, frames }: Flight): void {
   }
 }
 
-/** Which flight it is, how it ended and what it did not keep. */
+/** Shows the name of the flight, its verdict, and the demands that it did not meet. */
 function describe(head: Head, seek: (time: number) => void): void {
   document.title = `${head.hello.scenario}: ${head.verdict}`;
   setText(byId("title"), head.hello.scenario);
