@@ -45,10 +45,10 @@ commands.register(
   { id: "flight.tick", group: "Flight", description: "fly one tick", keys: ["Ctrl+ArrowRight"], action: () => bar.step(), when: () => !charts.view.inspecting, repeats: true },
   { id: "flight.on", group: "Flight", description: "fly 100 ms while paused", keys: ["ArrowRight"], action: () => bar.step(Math.round(0.1 / (store.hello?.tick_s ?? 0.01))), when: () => store.state?.phase === "paused" && !charts.view.inspecting, repeats: true },
   { id: "flight.restart", group: "Flight", description: "restart the flight", keys: ["R"], action: () => bar.restart() },
-  { id: "camera.overview", group: "Camera", description: "the whole task", keys: ["F"], action: cameras.overview },
-  { id: "camera.follow", group: "Camera", description: "beside the vehicle", keys: ["V"], action: cameras.follow },
-  { id: "camera.top", group: "Camera", description: "from above", keys: ["T"], action: cameras.top },
-  { id: "camera.hand", group: "Camera", description: "close-up of the hand on or off", keys: ["H"], action: cameras.hand },
+  { id: "camera.overview", group: "Camera", description: "show the whole task", keys: ["F"], action: cameras.overview },
+  { id: "camera.follow", group: "Camera", description: "travel beside the vehicle", keys: ["V"], action: cameras.follow },
+  { id: "camera.top", group: "Camera", description: "look from above", keys: ["T"], action: cameras.top },
+  { id: "camera.hand", group: "Camera", description: "show or hide the close-up of the hand", keys: ["H"], action: cameras.hand },
 );
 const bench = new Workbench(store, link, bar);
 const mirror = new MirrorBar(store, (request) => link.send(request), () => charts.view.marked());
@@ -74,7 +74,7 @@ function buildWorld(): World | null {
       send: (request) => link.send(request),
     });
   } catch (error) {
-    notify("error", `no 3-D view, because this browser offers no WebGL 2 (${error instanceof Error ? error.message : "unknown reason"}); charts and gains work`);
+    notify("error", `the 3-D view is off, because this browser has no WebGL 2 (${error instanceof Error ? error.message : "unknown reason"}); charts and gains work without it`);
     return null;
   }
 }
@@ -112,7 +112,7 @@ function message(received: ServerMessage): void {
 
 function hello(received: Extract<ServerMessage, { type: "hello" }>): void {
   if (received.protocol !== PROTOCOL_VERSION) {
-    notify("error", `the server speaks protocol ${received.protocol}, this page ${PROTOCOL_VERSION}: reload the page`);
+    notify("error", `the server uses protocol ${received.protocol} and this page ${PROTOCOL_VERSION}: reload the page`);
     return;
   }
   store.accept(received);

@@ -23,7 +23,7 @@ export class Compare {
   /** Stores the values in force. */
   keep(slot: Slot): void {
     this.sets.keep(slot, this.now());
-    notify("info", `set ${slot} holds the gains now in force`);
+    notify("info", `set ${slot} now has the gains in force`);
     this.show();
   }
 
@@ -32,7 +32,7 @@ export class Compare {
     const slot = this.sets.next(this.gains.desk.expected());
     if (slot === null) {
       const stored = SLOTS.filter((name) => this.sets.get(name) !== null);
-      return notify("info", stored.length === 0 ? "no set is stored yet: keep the gains now in force as A or B" : `only set ${stored.join(" and ")} is stored, and it is in force`);
+      return notify("info", stored.length === 0 ? "no set is stored yet: first store the gains in force as A or B" : `only set ${stored.join(" and ")} is stored, and it is in force`);
     }
     this.gains.desk.apply(this.sets.get(slot) ?? [], `set ${slot}`);
     this.show();
@@ -61,7 +61,7 @@ export class Compare {
     byId("diff-rows").replaceChildren(...rows.map((row) => this.row(row)));
     const none = byId("diff-none");
     none.hidden = rows.length > 0;
-    setText(none, `Every gain is as in ${name === "preset" ? "the preset" : name}.`);
+    setText(none, `Every gain has its value of ${name === "preset" ? "the preset" : name}.`);
   }
 
   private row({ name, label, unit, reference, now, delta, changed }: DiffRow): HTMLElement {

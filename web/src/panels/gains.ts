@@ -54,7 +54,7 @@ export class GainPanel {
     this.desk.rebuild(hello);
     this.rows = new Map();
     const groups = [...new Set(hello.gains.map((gain) => gain.group))];
-    byId("gains").replaceChildren(...groups.map((group) => this.group(group)), element("p", { className: "none muted", textContent: "No gain has that in its name or help.", hidden: true }));
+    byId("gains").replaceChildren(...groups.map((group) => this.group(group)), element("p", { className: "none muted", textContent: "No gain has this text in its name or help.", hidden: true }));
     this.applyFilter();
     this.refresh();
   }

@@ -22,7 +22,7 @@ export class HistoryList {
   private item(text: string, tick: number | null, count: number, done: number): HTMLElement {
     const button = element("button", { ariaPressed: null }, [element("span", { textContent: text }), element("span", { className: "tick", textContent: tick === null ? "" : `@${tick}` })]);
     const here = count === done;
-    button.title = here ? "The gains now in force" : count > done ? "Taken back; choose to do it again" : "Go back to the gains after this change";
+    button.title = here ? "The gains now in force" : count > done ? "Undone; choose it to redo the changes up to here" : "Go back to the gains after this change";
     if (here) button.ariaCurrent = "step";
     button.classList.toggle("undone", count > done);
     button.addEventListener("click", () => {

@@ -20,6 +20,6 @@ export class LossNotice {
     const { pending } = this;
     this.pending = 0;
     this.saidAt = nowMs;
-    this.say(`${pending} ${pending === 1 ? "tick" : "ticks"} lost on the way to this page: charts show a break there. The flight and its recording have them.`);
+    this.say(`${pending} ${pending === 1 ? "tick" : "ticks"} lost on the way to this page; the charts show a gap there. The flight and its recording are complete.`);
   }
 }

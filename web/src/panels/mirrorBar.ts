@@ -54,11 +54,11 @@ export class MirrorBar {
     hang(byId("mirror-panel"), byId("mirror-about"));
     const when = (): boolean => this.info !== null;
     commands.register(
-      { id: "mirror.back", group: "Recording", description: "100 ms back", keys: ["ArrowLeft"], action: () => this.by(-ARROW_S), when: () => when() && !this.flying, repeats: true },
-      { id: "mirror.tickBack", group: "Recording", description: "one tick back", keys: ["Ctrl+ArrowLeft"], action: () => this.by(-this.store.tickS), when, repeats: true },
-      { id: "mirror.loop", group: "Recording", description: "play the stretch from I to O, else all of it, again and again", keys: ["Shift+O"], action: () => this.toggleLoop(), when },
-      { id: "mirror.start", group: "Recording", description: "to its start", keys: ["Home"], action: () => this.seek(0), when },
-      { id: "mirror.end", group: "Recording", description: "to its end", keys: ["End"], action: () => this.seek(this.endS), when },
+      { id: "mirror.back", group: "Recording", description: "go back by 100 ms", keys: ["ArrowLeft"], action: () => this.by(-ARROW_S), when: () => when() && !this.flying, repeats: true },
+      { id: "mirror.tickBack", group: "Recording", description: "go back by one tick", keys: ["Ctrl+ArrowLeft"], action: () => this.by(-this.store.tickS), when, repeats: true },
+      { id: "mirror.loop", group: "Recording", description: "loop over the range from I to O, or over the whole recording", keys: ["Shift+O"], action: () => this.toggleLoop(), when },
+      { id: "mirror.start", group: "Recording", description: "go to the start of the recording", keys: ["Home"], action: () => this.seek(0), when },
+      { id: "mirror.end", group: "Recording", description: "go to the end of the recording", keys: ["End"], action: () => this.seek(this.endS), when },
     );
   }
 
@@ -100,9 +100,9 @@ export class MirrorBar {
     this.shown = twin;
     const badge = byId("mirror-twin");
     badge.dataset["light"] = twin.light ?? "unknown";
-    badge.title = `${twin.says}; ${twin.horizon_s.toFixed(1)} s after its start from the flight. Axis by axis under About…`;
+    badge.title = `${twin.says}; ${twin.horizon_s.toFixed(1)} s after it started from the state of the flight. The errors of each axis stand under About…`;
     setText(badge, verdict(twin));
-    const head = ["axis", "twin", "with r before", "coasting"].map((textContent) => element("th", { textContent }));
+    const head = ["axis", "twin", "twin with residual", "coasting"].map((textContent) => element("th", { textContent }));
     byId("mirror-axes").replaceChildren(row(head), ...cells(twin).map((texts) => row(texts.map((textContent) => element("td", { textContent })))));
   }
 
@@ -184,9 +184,9 @@ export function facts(info: MirrorInfo): [string, string][] {
   return [
     ["solid", `the real flight; ${info.stand_in}`],
     ["ghost", info.ghost],
-    ["predictor", `${info.predictor}; in shadow: it acts on nothing`],
+    ["predictor", `${info.predictor}; it runs in shadow and moves nothing`],
     ["force", info.force],
-    ["unknown", info.unknown_rows.length === 0 ? "nothing" : `residual of ${info.unknown_rows.join(", ")}: not in this recording, so not shown`],
+    ["unknown", info.unknown_rows.length === 0 ? "nothing" : `residual of ${info.unknown_rows.join(", ")}: this recording does not contain it, so it is not shown`],
     ["map", info.map],
     ...info.notes.map((note): [string, string] => ["note", note]),
   ];

@@ -25,7 +25,7 @@ export class Timing {
     this.tickMs = tickS * MS_PER_S;
     const total = totalMs(kept);
     byId("stage-bar").replaceChildren(...segments(kept, Math.max(total, this.tickMs)));
-    byId("timing-open").title = total === 0 ? "Real-time factor; no stage times yet" : `A tick takes ${total.toFixed(2)} ms of the ${this.tickMs.toFixed(0)} ms it lasts`;
+    byId("timing-open").title = total === 0 ? "Real-time factor. No tick has been timed yet." : `The server computes a tick of ${this.tickMs.toFixed(0)} ms in ${total.toFixed(2)} ms`;
     if (isOpen(this.panel)) this.table();
   }
 
@@ -33,7 +33,7 @@ export class Timing {
     if (this.state === null) return;
     const { stages, speed, real_time_factor: reached } = this.state;
     const total = totalMs(stages);
-    setText(byId("timing-speed"), `${reached.toFixed(2)}× real time, asked for ${speed === null ? "as fast as possible" : `${speed}×`}`);
+    setText(byId("timing-speed"), `${reached.toFixed(2)}× real time, requested: ${speed === null ? "as fast as possible" : `${speed}×`}`);
     byId("timing-bar").replaceChildren(...segments(stages, Math.max(total, this.tickMs)));
     byId("timing-rows").replaceChildren(
       ...stages.map(({ name, ms }, index) => row(name.replaceAll("_", " "), ms, this.tickMs, swatch(index))),

@@ -84,12 +84,12 @@ export class ViewPopover {
 
   private trailRow(): HTMLElement {
     const select = element("select", { id: "view-span" });
-    select.append(...TRAIL_SPANS_S.map((span) => option(String(span), Number.isFinite(span) ? `last ${span} s` : "all of it", span === this.world.settings.trailS)));
+    select.append(...TRAIL_SPANS_S.map((span) => option(String(span), Number.isFinite(span) ? `last ${span} s` : "unlimited", span === this.world.settings.trailS)));
     select.addEventListener("change", () => {
       this.world.settings.trailS = Number(select.value);
       this.changed();
     });
-    return element("label", { className: "view-trail" }, [element("span", { textContent: "How far back" }), select]);
+    return element("label", { className: "view-trail" }, [element("span", { textContent: "Length of the paths" }), select]);
   }
 
   private place(): void {

@@ -150,8 +150,8 @@ export class ChartColumn {
   showEvent({ tick }: EventInfo): boolean {
     const { history } = this.store;
     if (!history.holds(tick)) {
-      const kept = history.length === 0 ? "nothing yet" : `${this.store.timeOf(history.first).toFixed(1)} s to ${this.store.timeOf(history.last).toFixed(1)} s`;
-      notify("info", `that moment is not in the history of the charts; they keep ${kept}`);
+      const kept = history.length === 0 ? "no tick yet" : `${this.store.timeOf(history.first).toFixed(1)} s to ${this.store.timeOf(history.last).toFixed(1)} s`;
+      notify("info", `this moment is not in the history of the charts, which has ${kept}`);
       return false;
     }
     this.view.show(this.store.timeOf(tick));
@@ -259,7 +259,7 @@ export class ChartColumn {
 
   private add(): void {
     const own = addOwn(this.arrangement);
-    if (own === null) return notify("warning", "there are as many own charts as there can be: remove one first");
+    if (own === null) return notify("warning", "no more charts of your own are possible: remove one first");
     this.changed();
     this.edit(own);
   }

@@ -57,7 +57,7 @@ export class Panels {
     this.list = next;
     const roots = next.map(({ root }) => root);
     const same = roots.length === this.root.children.length && roots.every((root, index) => this.root.children[index] === root);
-    if (!same) this.root.replaceChildren(...(roots.length > 0 ? roots : [element("p", { className: "muted empty", textContent: "No charts chosen: the button Charts lists them." })]));
+    if (!same) this.root.replaceChildren(...(roots.length > 0 ? roots : [element("p", { className: "muted empty", textContent: "No charts are chosen. The button Charts lists them." })]));
     if (this.zscoreButton !== null) this.zscoreButton.ariaPressed = String(arrangement.zscore);
   }
 
@@ -73,7 +73,7 @@ export class Panels {
   private tools(spec: ChartSpec): Node[] {
     const scored = spec.series.some(({ channel }) => (this.store.channel(channel)?.z_scale ?? null) !== null);
     if (spec.zscore !== true || !scored) return [];
-    const button = element("button", { className: "small", textContent: "z-score", title: "Divide by the scale the forecast was trained with", ariaPressed: "false" });
+    const button = element("button", { className: "small", textContent: "z-score", title: "Divide by the scale with which the forecast was trained", ariaPressed: "false" });
     button.addEventListener("click", () => this.actions.toggleZscore());
     this.zscoreButton = button;
     return [button];

@@ -18,7 +18,7 @@ export function compose(title: string, pictures: Picture[], timeline: HTMLCanvas
   const width = Math.max(timeline.width, ...pictures.map(({ canvas }) => canvas.width));
   const sheet = element("canvas", { width, height: 1 });
   const pen = sheet.getContext("2d");
-  if (pen === null) throw new Error("this browser gives no canvas to draw the picture on");
+  if (pen === null) throw new Error("this browser gives no canvas for the picture");
   const lines = pictures.map((picture) => (headWidth(pen, picture, ratio) > width ? 2 : 1));
   const heads = lines.map((count) => count * HEAD_PX * ratio);
   sheet.height = pictures.reduce((sum, { canvas }, k) => sum + canvas.height + (heads[k] ?? 0), TITLE_PX * ratio + timeline.height);

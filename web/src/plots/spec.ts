@@ -147,7 +147,7 @@ function adapterSpecs(): ChartSpec[] {
   ];
 }
 
-/** Charts of the actuators and of the inputs of the forecast. */
+/** Charts of the actuators and of the predictor's attention. */
 function bodySpecs(channels: ChannelInfo[]): ChartSpec[] {
   const named = (prefix: string): ChannelInfo[] => channels.filter(({ name }) => name.startsWith(prefix));
   const many = (list: ChannelInfo[], label: (channel: ChannelInfo) => string): SeriesSpec[] =>
