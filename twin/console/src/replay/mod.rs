@@ -40,7 +40,7 @@ pub enum ReplayError {
     Part {
         /// Name of the attachment or metadata.
         part: &'static str,
-        /// What is wrong with it.
+        /// The reason why the part is unusable.
         why: String,
     },
     /// This program was built without the console.
@@ -53,7 +53,7 @@ pub enum ReplayError {
     NoViewer {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// The reason why the file is unusable.
         why: String,
     },
     /// The flight cannot be packed.
@@ -64,7 +64,7 @@ pub enum ReplayError {
     Write {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         why: String,
     },
 }

@@ -316,7 +316,7 @@ fn handle(text: &str, client: &Client, app: &App) {
     app.obey(message, client);
 }
 
-/// The start of `text`: at most so many characters.
+/// The first `characters` characters of `text`, or all of it if it is shorter.
 pub(super) fn shown(text: &str, characters: usize) -> String {
     text.chars().take(characters).collect()
 }

@@ -13,7 +13,7 @@ pub(super) enum OriginError {
         "host {found:?} refused: expected localhost, 127.0.0.1 or [::1]; open the console under one of these names"
     )]
     Host {
-        /// What was sent.
+        /// The header that was sent.
         found: String,
     },
     /// The page comes from another host.
@@ -21,7 +21,7 @@ pub(super) enum OriginError {
         "origin {found:?} refused: expected a page of this server; open the console from the server itself"
     )]
     Origin {
-        /// What was sent.
+        /// The header that was sent.
         found: String,
     },
 }
