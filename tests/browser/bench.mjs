@@ -1,4 +1,4 @@
-// Figures of the console, reported and never asserted: node tests/browser/bench.mjs [--seconds 10]
+// Measures the console and prints the figures; it asserts nothing: node tests/browser/bench.mjs [--seconds 10]
 import { parseArgs } from "node:util";
 import { gzipSync } from "node:zlib";
 import { freePort, launchBrowser, openConsole, pause, startTwin } from "./harness.mjs";
@@ -8,14 +8,14 @@ const { values: options } = parseArgs({ options: { seconds: { type: "string", de
 const SECONDS = Number(options.seconds);
 const WATCHERS = 80;
 const STALLED = 20;
-/** Empty and crowded stretches take turns, so that what else the machine does falls on both. */
+/** Rounds without and with the crowd alternate, so that other load of the machine affects both alike. */
 const ROUNDS = 3;
 const FULL_HD = { viewport: { width: 1920, height: 1080 } };
 
 const round = (value, digits = 2) => Number(value.toFixed(digits));
 const say = (name, value, aim) => console.log(`${name.padEnd(44)} ${value}${aim ? `   (aim ${aim})` : ""}`);
 
-/** Size of everything that the page loaded, gzip bytes. */
+/** Size of all files that the page loaded, compressed with gzip, bytes. */
 async function bundle(page, url) {
   const loaded = await page.evaluate(() => performance.getEntriesByType("resource").map(({ name }) => name));
   const parts = [url, ...loaded.filter((name) => /\.(js|css)$/.test(name))];
@@ -23,7 +23,7 @@ async function bundle(page, url) {
   return { bytes: sizes.reduce((sum, size) => sum + size, 0), parts: parts.length };
 }
 
-/** Frames drawn and ways of telemetry over some seconds, gathered by the page itself. */
+/** Times of drawn frames and delays of telemetry over some seconds, as the page itself records them. */
 function watch(page, seconds) {
   return page.evaluate((seconds) => new Promise((resolve) => {
     const deliveries = [];
@@ -71,7 +71,7 @@ async function page(browser, url) {
   say("  clocks agree within, ms", round(tripMs / 2));
 }
 
-/** How late ticks begin with nobody watching, and with a crowd of which some take nothing. */
+/** Measures how late ticks begin without clients, and with a crowd in which some clients read nothing. */
 async function crowd(url) {
   const sums = { alone: [], crowded: [] };
   let lost = 0;

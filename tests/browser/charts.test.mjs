@@ -1,5 +1,5 @@
-// The charts of the console against the real server, in a real browser. The flight stands still and is stepped, so that
-// nothing here depends on how fast the machine is.
+// The charts of the console against the real server, in a real browser. The flight is paused and stepped, so that no test depends
+// on the speed of the machine.
 import assert from "node:assert/strict";
 import { mkdirSync, readFileSync } from "node:fs";
 import path from "node:path";
@@ -7,15 +7,15 @@ import { after, before, test } from "node:test";
 import { freePort, launchBrowser, openConsole, pause, ROOT, startTwin, until } from "./harness.mjs";
 import { Oracle } from "./oracle.mjs";
 
-/** Grasped 500 g in hover; they drop at 10 s, and the paper's gains reset the covariance then. */
+/** A hover with a grasped payload of 500 g. The payload drops at 10 s, and with the paper's gains the covariance is reset then. */
 const SCENARIO = "scenarios/reset_demo.toml";
 const DROP_TICK = 1000;
-/** Long enough for a loaded machine, ms. */
+/** Time limit of a wait, long enough for a loaded machine, ms. */
 const SOON = 40_000;
 const LIMIT = { timeout: 240_000 };
-/** One pixel of a plot some 400 px wide on a 20 s window, s. */
+/** Time of one pixel on a plot of about 400 px with a window of 20 s, s. */
 const PIXEL_S = 0.06;
-/** Values are read as the 32-bit floats they travel as. */
+/** Relative tolerance, because telemetry has values as 32-bit floats. */
 const FLOAT_SHARE = 1e-6;
 
 let browser;
@@ -30,7 +30,7 @@ before(async () => {
   oracle = await Oracle.connect(twin.url);
   send({ type: "restart", seed: null, scenario: null });
   send({ type: "pause", paused: true });
-  // A page knows where the flight is from its first telemetry: give it some.
+  // A page learns the state of the flight from its first telemetry, so the flight is stepped until the page has some.
   const nudge = setInterval(() => send({ type: "step", ticks: 1 }), 1000);
   view = await openHeld();
   page = view.page;
@@ -51,7 +51,7 @@ const at = (channel, tick, on = page) => on.evaluate(([name, when]) => window.__
 const panel = async (key) => (await charts()).panels.find((candidate) => candidate.key === key);
 const over = (key) => page.locator(`.chart[data-key="${key}"] .u-over`);
 
-/** A console whose frames can be lost on the way: `window.__lose` throws telemetry away before the page sees it. */
+/** A console that can lose frames: while `window.__lose` is set, telemetry is dropped before the page sees it. */
 async function openHeld() {
   const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, colorScheme: "dark", acceptDownloads: true });
   await context.addInitScript(() => {
@@ -65,7 +65,7 @@ async function openHeld() {
   return openConsole({ newContext: async () => context }, twin.url);
 }
 
-/** Flies so many ticks more and waits until the page has seen them. */
+/** Flies `ticks` more and waits until the page has received them. */
 async function advance(ticks) {
   const target = (await settled()) + ticks;
   for (let left = ticks; left > 0; left -= 500) {
@@ -76,7 +76,7 @@ async function advance(ticks) {
   return target;
 }
 
-/** The newest tick, once no step is under way any more. */
+/** The newest tick after all steps are flown. */
 async function settled() {
   for (;;) {
     const before = oracle.lastTick;
@@ -85,7 +85,7 @@ async function settled() {
   }
 }
 
-/** The charts have drawn what they were told last. */
+/** Waits until the charts have drawn the newest data. */
 async function drawn() {
   await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
   await until(async () => {

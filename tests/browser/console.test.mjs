@@ -7,11 +7,11 @@ import { freePort, launchBrowser, openConsole, pause, ROOT, shown, startTwin, un
 import { Oracle } from "./oracle.mjs";
 
 const SCENARIO = "scenarios/a_300g_slow.toml";
-/** Poses travel as f32; at 10 m that is 1e-6, and drawing may not add to it more than tenfold. */
+/** Telemetry has poses as f32, which at 10 m is exact to 1e-6 m; drawing may multiply this error by ten. */
 const POSE_TOLERANCE_M = 1e-5;
-/** Long enough for a loaded machine, short against a test's own limit, ms. */
+/** Time limit of a wait, ms. It is long enough for a loaded machine and short against a test's own limit. */
 const SOON = 8000;
-/** Half speed on a loaded machine may lag and catch up, yet stays well below full speed. */
+/** Bounds of the measured half speed. On a loaded machine it may lag and catch up, but it stays well below full speed. */
 const [SLOWEST_HALF, FASTEST_HALF] = [0.2, 0.75];
 const LIMIT = { timeout: 120_000 };
 
@@ -46,7 +46,7 @@ async function setPaused(paused) {
   await until(async () => ((await shown(page)).state.phase === "paused") === paused, SOON, `paused is ${paused}`);
 }
 
-/** Page and oracle stand at the same tick. */
+/** Waits until page and oracle are at the same tick. */
 async function inStep(client = oracle, target = page) {
   return until(async () => {
     const now = await shown(target);
@@ -168,7 +168,7 @@ test("pause holds the flight, a step is one tick, speed and restart do what they
   assert.ok((await shown(page)).rows <= (await shown(page)).lastTick + 1, "the old flight's history is gone");
 });
 
-/** What overlaps or sticks out on a desk, a large screen and a phone. */
+/** Elements that overlap or stick out of the page on a laptop, on a large screen and on a phone. */
 async function layoutFaults(page) {
   const all = [];
   for (const [width, height] of [[1280, 720], [1920, 1080], [390, 844]]) {
@@ -256,7 +256,7 @@ test("reset_demo shows as many reset marks as telemetry has, and ends in green",
     witness.close();
     assert.deepEqual(await layoutFaults(other.page), [], "with the verdict beside the phase");
 
-    // Who comes after the end sees the flight: every tick, every mark, and the vehicle where it stands.
+    // A page that connects after the end sees the whole flight: every tick, every mark, and the last pose of the vehicle.
     const ended = await shown(other.page);
     const late = await openConsole(browser, demo.url);
     const seen = await until(async () => {

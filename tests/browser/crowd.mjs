@@ -1,5 +1,5 @@
-// The flight's tick while 200 clients of every kind watch, of which 20 take nothing: node tests/browser/crowd.mjs [--seconds 10]
-// Reports, asserts nothing: lateness of ticks without and with the crowd, ticks lost, and the server's memory per client.
+// Measures the flight while 200 clients of every kind watch, 20 of which read nothing: node tests/browser/crowd.mjs [--seconds 10]
+// It asserts nothing and prints the lateness of ticks without and with the crowd, lost ticks, and the server's memory per client.
 import { parseArgs } from "node:util";
 import WebSocket from "ws";
 import { freePort, pause, startTwin } from "./harness.mjs";
@@ -7,11 +7,11 @@ import { between, lateness, LONG_FLIGHT, machine, Reader, residentMiB, stalled }
 
 const { values: options } = parseArgs({ options: { seconds: { type: "string", default: "10" }, rounds: { type: "string", default: "2" } } });
 const SECONDS = Number(options.seconds);
-/** Empty and crowded stretches take turns, so that what else the machine does falls on both. */
+/** Rounds without and with the crowd alternate, so that other load of the machine affects both alike. */
 const ROUNDS = Number(options.rounds);
-/** Clients that read, and clients that do not, by kind. */
+/** Numbers of clients that read and of clients that do not, by kind. */
 const CROWD = { console: [80, 5], meshcat: [40, 5], viser: [40, 5], foxglove: [20, 5] };
-/** MeshCat and viser are sent the newest poses, Foxglove every row. */
+/** Topics to which the Foxglove clients subscribe. MeshCat and viser get the newest poses only, Foxglove gets every row. */
 const TOPICS = ["/tf", "/scene", "/twin/telemetry"];
 
 const say = (name, value) => console.log(`${name.padEnd(52)} ${value}`);
@@ -34,7 +34,7 @@ function join(url, subprotocols, reads, hear = () => {}) {
   });
 }
 
-/** Subscribes to everything that is advertised of the topics, and then reads or does not. */
+/** A Foxglove client that subscribes to those topics when the server advertises them; afterwards it reads only if `reads`. */
 function foxglove(port, reads) {
   let id = 0;
   return join(`ws://127.0.0.1:${port}`, ["foxglove.sdk.v1"], true, (socket, data) => {

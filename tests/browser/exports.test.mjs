@@ -1,4 +1,5 @@
-// `twin export meshcat` and `twin export viser -o page.html`: one file each, no network, the flight played by the stock viewers.
+// `twin export meshcat` and `twin export viser -o page.html` write one file each, in which a stock viewer plays the flight without a
+// network.
 import assert from "node:assert/strict";
 import { existsSync } from "node:fs";
 import { after, before, test } from "node:test";
@@ -15,7 +16,7 @@ const open = (file, ready) => openPage(browser, pathToFileURL(own.file(file)).hr
 before(async () => {
   assert.ok(existsSync(VIEWERS), `no viewers at ${VIEWERS}: run twin viewers fetch --dir target/viewers`);
   const flight = own.file("flight.mcap");
-  // Six seconds: it climbs and sets off, and is told that it did not arrive.
+  // In six seconds the vehicle climbs and sets off; the verdict is that it did not arrive.
   runTwin(["fly", "scenarios/a_300g_slow.toml", "--headless", "--json", "--set", "time_limit_s=6", "--record", flight], [0, 1]);
   runTwin(["export", "meshcat", flight, "-o", own.file("meshcat.html"), "--viewer-dir", VIEWERS], [0, 1]);
   runTwin(["export", "viser", flight, "-o", own.file("viser.html"), "--viewer-dir", VIEWERS], [0, 1]);
@@ -57,7 +58,7 @@ test("both pages play the same flight in the stock viewers, without a network", 
     });
     return most;
   }, flown);
-  // The page plays in real time; the last picture and the one before are 40 ms apart, and nothing flies faster than 1 m/s.
+  // The page plays in real time. Two pictures are 40 ms apart and no body is faster than 1 m/s, so they differ by at most 0.04 m.
   let off;
   await until(async () => (off = await worst()) < 0.04, SOON, () => `viser arrives where MeshCat does, now ${off} m off`);
   for (const { complaints, asked } of [meshcat, viser]) {

@@ -1,4 +1,4 @@
-// Foxglove's own client library on one flight: topics, telemetry tick by tick, a gain set as a parameter, and the URDF.
+// One flight seen through Foxglove's own client library: topics, telemetry tick by tick, a gain set as a parameter, and the URDF.
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import path from "node:path";
@@ -20,7 +20,7 @@ const heard = { info: null, channels: [], messages: [], parameters: [], times: [
 before(async () => {
   const port = await freePort();
   twin = await startTwin(SCENARIO, await freePort(), ["--foxglove-port", String(port), "--set", "task.duration_s=3600", "--set", "time_limit_s=3600"]);
-  // The library's messages under the name that the current protocol has.
+  // The library's messages fit the current protocol, whose name the test gives here.
   const ws = new WebSocket(`ws://127.0.0.1:${port}`, ["foxglove.sdk.v1"]);
   client = new foxglove.FoxgloveClient({ ws });
   client.on("serverInfo", (info) => (heard.info = info));

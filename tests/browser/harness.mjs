@@ -1,4 +1,4 @@
-// Starts the real binary and a browser, and waits for things to become true.
+// Starts the real binary and a browser, and waits for conditions.
 import { spawn, spawnSync } from "node:child_process";
 import { existsSync, mkdtempSync, rmSync } from "node:fs";
 import { createServer } from "node:net";
@@ -9,9 +9,9 @@ import { chromium } from "playwright-core";
 
 export const ROOT = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../..");
 export const BINARY = path.resolve(ROOT, process.env.TWIN_BIN ?? "target/release/twin");
-/** The stock viewers, as `twin viewers fetch --dir target/viewers --drake` leaves them. */
+/** Folder of the stock viewers that `twin viewers fetch --dir target/viewers --drake` downloads. */
 export const VIEWERS = path.resolve(ROOT, process.env.TWIN_VIEWERS ?? "target/viewers");
-/** What the stock clients, and pages without a server, say of the machine and of themselves, not of us. */
+/** Messages of the browser about the machine, the stock clients or a missing server, which are no faults of our pages. */
 export const NOISE = /GPU stall|swiftshader|WebGL|GroupMarkerNotSet|deprecated|favicon|ERR_INTERNET_DISCONNECTED/i;
 const BROWSER = process.env.CHROMIUM ?? "/usr/bin/chromium";
 const START_WITHIN_MS = 30_000;
@@ -21,7 +21,7 @@ const FLAGS = [
   "--disable-quic",
   "--use-angle=swiftshader",
   "--enable-unsafe-swiftshader",
-  // As a desktop without a graphics card does: WebGL in software, and the page put together without it.
+  // As on a desktop without a graphics card, WebGL runs in software and the page is composed on the processor.
   "--disable-gpu-compositing",
   "--disable-background-networking",
   "--disable-component-update",
@@ -34,20 +34,20 @@ export async function launchBrowser() {
   return chromium.launch({ executablePath: BROWSER, args: FLAGS });
 }
 
-/** A folder for what a test file makes; `remove` it at the end. */
+/** A folder for the output of a test file; call `remove` at the end. */
 export function scratch(name) {
   const folder = mkdtempSync(path.join(tmpdir(), `twin-${name}-`));
   return { folder, file: (inside) => path.join(folder, inside), remove: () => rmSync(folder, { recursive: true, force: true }) };
 }
 
-/** `twin WORDS…` to its end with one of these statuses; what it printed. */
+/** Runs `twin WORDS…` to its end; throws unless it ends with one of `statuses`. Returns the text that it printed. */
 export function runTwin(words, statuses = [0]) {
   const run = spawnSync(BINARY, words, { cwd: ROOT, encoding: "utf8" });
   if (!statuses.includes(run.status)) throw new Error(`twin ${words.join(" ")} ended with ${run.status}: ${run.stderr}`);
   return run.stdout;
 }
 
-/** A port of the loopback that was free just now. */
+/** A free port of the loopback interface. */
 export function freePort() {
   return new Promise((resolve, reject) => {
     const probe = createServer();
@@ -59,12 +59,12 @@ export function freePort() {
   });
 }
 
-/** `twin fly SCENARIO --port PORT …`, ready to answer. */
+/** Starts `twin fly SCENARIO --port PORT …` and waits until it answers. */
 export function startTwin(scenario, port, flags = []) {
   return start("fly", scenario, port, flags);
 }
 
-/** `twin mirror RECORDING --port PORT …`, ready to answer. */
+/** Starts `twin mirror RECORDING --port PORT …` and waits until it answers. */
 export function startMirror(recording, port, flags = []) {
   return start("mirror", recording, port, flags);
 }
@@ -90,7 +90,7 @@ async function start(command, subject, port, flags) {
   return { url, port, pid: child.pid, stop };
 }
 
-/** Waits until `condition` gives something true, and returns it. */
+/** Waits until `condition` returns a true value, and returns this value. */
 export async function until(condition, withinMs, what) {
   const give = Date.now() + withinMs;
   for (;;) {
@@ -105,7 +105,7 @@ export function pause(ms) {
   return new Promise((resolve) => setTimeout(resolve, ms));
 }
 
-/** A page in a context of its own, once `ready` holds in it; it keeps what the browser complained about and asked for. */
+/** Opens a page in its own context and waits until `ready` holds in it. Collects the page's console messages and requests. */
 export async function openPage(browser, url, ready, { kinds = ["error"], withinMs = 60_000, ...options } = {}) {
   const context = await browser.newContext(options);
   const page = await context.newPage();
@@ -118,14 +118,14 @@ export async function openPage(browser, url, ready, { kinds = ["error"], withinM
   return { page, complaints, asked, close: () => context.close() };
 }
 
-/** A page on the console, once it shows a flight. */
+/** Opens the console and waits until it shows a flight. */
 export function openConsole(browser, url, options = {}) {
   const shows = () => (window.__twin?.lastTick ?? -1) >= 0;
   const look = { viewport: { width: 1280, height: 720 }, colorScheme: "dark" };
   return openPage(browser, url, shows, { ...look, kinds: ["error", "warning"], withinMs: 20_000, ...options });
 }
 
-/** Values that the page shows. */
+/** The values that the page shows. */
 export function shown(page) {
   return page.evaluate(() => {
     const { state, connected, stale, scenario, lastTick, gains, preset, bodies, resets, rows, gapTicks } = window.__twin;

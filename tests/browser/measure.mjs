@@ -1,12 +1,12 @@
-// What the figures of the console are made from: clients that read or stall, the server's own histogram, memory.
+// Tools to measure the server: clients that read or stall, the server's own histogram of delays, and memory.
 import { execFileSync } from "node:child_process";
 import { readFileSync } from "node:fs";
 import WebSocket from "ws";
 
-/** Flags of `twin fly` for a flight as long as a scenario may be. */
+/** Flags of `twin fly` for the longest flight that a scenario allows. */
 export const LONG_FLIGHT = ["--set", "task.duration_s=3600", "--set", "time_limit_s=3600"];
 
-/** A client that reads everything and counts the ticks that the server says it lost. */
+/** A client that reads everything, and counts the ticks that it received and those that the server dropped. */
 export class Reader {
   ticks = 0;
   gapTicks = 0;
@@ -34,14 +34,14 @@ export class Reader {
   }
 }
 
-/** A client that is connected and takes nothing off its socket. */
+/** Connects a client that never reads from its socket. */
 export async function stalled(url) {
   const socket = await opened(url);
   socket.pause();
   return { close: () => socket.terminate() };
 }
 
-/** `hear` is there before anything comes: the `hello` may arrive with the answer to the upgrade, and without it no row counts. */
+/** Opens a socket. `hear` listens before the first message, because the `hello` may arrive together with the answer to the upgrade. */
 function opened(url, hear = () => {}) {
   const socket = new WebSocket(url.replace("http", "ws") + "/ws");
   socket.on("error", () => {});
@@ -52,21 +52,21 @@ function opened(url, hear = () => {}) {
   });
 }
 
-/** Counts by upper edge (ms) of how late ticks began, as `/metrics` has them; cumulative since the server's start. */
+/** The histogram of delays of ticks from `/metrics`: cumulative counts by upper edge (ms) since the server's start. */
 export async function lateness(url) {
   const text = await (await fetch(`${url}/metrics`)).text();
   const counts = [...text.matchAll(/^twin_tick_lateness_seconds_bucket\{le="([^"]+)"\} (\d+)/gm)];
   return new Map(counts.map(([, edge, count]) => [edge === "+Inf" ? Infinity : Number(edge) * 1e3, Number(count)]));
 }
 
-/** Ticks of the stretch between two readings, and the share that began at most so late. */
+/** Number of ticks between two readings of the histogram, and the share of them below each upper edge. */
 export function between(before, after) {
   const ticks = after.get(Infinity) - before.get(Infinity);
   const within = (edge) => (after.get(edge) - before.get(edge)) / ticks;
   return { ticks, within_0_25_ms: within(0.25), within_1_ms: within(1), within_5_ms: within(5), within_25_ms: within(25) };
 }
 
-/** Milliseconds to add to the server's uptime for the page's clock, from the quickest of some questions. */
+/** Offset from the server's uptime to the page's clock, ms, from the quickest of `tries` requests. */
 export async function clockOffset(url, tries = 30) {
   let best = { tripMs: Infinity, offsetMs: NaN };
   for (let k = 0; k < tries; k += 1) {
@@ -78,7 +78,7 @@ export async function clockOffset(url, tries = 30) {
   return best;
 }
 
-/** `Date.now` is whole milliseconds; what is missing, by the finer clock. */
+/** Fraction of a millisecond from the finer clock, because `Date.now` gives whole milliseconds. */
 function fraction() {
   return performance.timeOrigin + performance.now() - Date.now();
 }
@@ -94,7 +94,7 @@ export function residentMiB(pid) {
   return Number(line[1]) / 1024;
 }
 
-/** What the machine is, so that a figure says where it comes from. */
+/** Description of the machine, so that each figure says where it was measured. */
 export function machine() {
   const model = readFileSync("/proc/cpuinfo", "utf8").match(/^model name\s*:\s*(.*)$/m)?.[1] ?? "unknown processor";
   const cores = execFileSync("nproc", { encoding: "utf8" }).trim();

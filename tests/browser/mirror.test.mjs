@@ -1,4 +1,4 @@
-// The console beside a recording: what it says it is, the way to any moment of it, and a stretch played again and again.
+// The console of a mirrored recording: its description, seeks to any moment, and a stretch played in a loop.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { freePort, launchBrowser, openConsole, pause, runTwin, scratch, startMirror, until } from "./harness.mjs";
@@ -58,7 +58,7 @@ test("a seek shows that moment, with the seconds before it on the charts", async
 test("back and forward again, the charts keep what they had drawn before the run-up", async () => {
   await seek(11);
   const x = () => page.evaluate(() => Array.from({ length: 1101 }, (_, tick) => window.__twin.at("chi.x", tick)));
-  // The run-up of a jump to 11 s begins at 1 s; with what came before by the jump to 8 s nothing of it is missing.
+  // The run-up of the seek to 11 s begins at 1 s. The rows before it came with the seek to 8 s, so no tick is unknown.
   const known = (values, to) => values.slice(0, to).every((value) => value !== null);
   const before = await x();
   assert.ok(known(before, 1100), `unknown at ${before.indexOf(null)}`);
@@ -66,7 +66,7 @@ test("back and forward again, the charts keep what they had drawn before the run
     await seek(timeS);
     const now = await x();
     assert.ok(known(now, timeS * 100), `unknown at ${now.indexOf(null)} after the way to ${timeS} s`);
-    // What was measured is the same however one comes to it.
+    // Measured values do not depend on the seeks before them.
     assert.deepEqual(now.slice(0, timeS * 100), before.slice(0, timeS * 100));
     assert.deepEqual(await page.evaluate(() => window.__twin.charts.gaps), []);
     const error = await until(async () => {
@@ -79,7 +79,7 @@ test("back and forward again, the charts keep what they had drawn before the run
 
 test("a stretch marked on the charts is played again and again", async () => {
   await seek(4);
-  // The range is marked where the flight stands; the stretch is from 4 s to about 5 s.
+  // The keys I and O mark the range at the time of playback, so the stretch reaches from 4 s to about 5 s.
   await page.keyboard.press("i");
   await page.click("#pause");
   await until(async () => (await nowS()) >= 5, 20_000, "a second is played");
@@ -92,7 +92,7 @@ test("a stretch marked on the charts is played again and again", async () => {
     seen.push(await nowS());
     return seen.filter((time, k) => k > 0 && time < seen[k - 1] - 0.5).length >= 2;
   }, 40_000, () => `it went back twice; seen ${seen.slice(-20).join(", ")}`);
-  // The page asks ten times a second, and the way there and back takes what the machine takes.
+  // The page checks the end of the loop a few times a second, and the seek takes a time that depends on the machine.
   assert.ok(Math.max(...seen) < to + 2, `${Math.max(...seen)} after ${to}`);
   await page.click("#mirror-loop");
   assert.equal(await page.textContent("#mirror-loop"), "Loop");

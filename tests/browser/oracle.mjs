@@ -1,16 +1,16 @@
-// A second client that shares no code with the page: what the server says, read byte by byte as the protocol text has it.
+// A second client that shares no code with the page. It decodes the server's messages byte by byte, as the protocol's text says.
 import WebSocket from "ws";
 
 export class Oracle {
   hello = null;
   lastTick = -1;
-  /** World pose by body name, newest tick. */
+  /** World pose of each body at the newest tick, by name. */
   poses = new Map();
-  /** Value of each channel by name, newest tick. */
+  /** Value of each channel at the newest tick, by name. */
   channels = new Map();
   resets = 0;
   gapTicks = 0;
-  /** Simulated and wall time of the newest frame by the server's clocks, s. */
+  /** Simulated time and wall time of the newest frame on the server's clocks, s. */
   simulatedS = NaN;
   wallS = NaN;
 

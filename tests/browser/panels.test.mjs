@@ -1,4 +1,4 @@
-// What an operator does with gains, world, palette and keyboard, against the real server: node --test.
+// An operator's actions with gains, world, palette and keyboard against the real server: node --test.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { mkdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
@@ -8,12 +8,12 @@ import WebSocket from "ws";
 import { BINARY, freePort, launchBrowser, openConsole, pause, ROOT, shown, startTwin, until } from "./harness.mjs";
 
 const SCENARIO = "scenarios/a_300g_slow.toml";
-/** Long enough for a loaded machine, short against a test's own limit, ms. */
+/** Time limit of a wait, ms. It is long enough for a loaded machine and short against a test's own limit. */
 const SOON = 15_000;
 const LIMIT = { timeout: 180_000 };
-/** The smallest side of a control for a finger, px. */
+/** Smallest side of a control that a finger can use, px. */
 const FINGER_PX = 40;
-/** A wind travels as numbers rounded to a hundredth, m/s. */
+/** Tolerance of a wind, whose components the page rounds to a hundredth, m/s. */
 const WIND_TOLERANCE_M_S = 0.011;
 
 let browser;
@@ -21,7 +21,7 @@ let twin;
 let page;
 let witness;
 
-/** A second client: what the server says, without any code of the page. */
+/** A second client that keeps the server's messages and shares no code with the page. */
 class Witness {
   gains = [];
   events = [];
@@ -52,7 +52,7 @@ before(async () => {
   twin = await startTwin(SCENARIO, await freePort());
   witness = await Witness.connect(twin.url);
   ({ page } = await openConsole(browser, twin.url));
-  // Held, so that a loaded machine cannot make the data old and lock what is to be tested.
+  // The flight is paused, so that a loaded machine cannot make the data stale, which would lock the controls under test.
   await hold(true);
 }, LIMIT);
 
@@ -68,7 +68,7 @@ async function hold(paused) {
   if (paused) await unlocked();
 }
 
-/** A further page; it comes to a flight that flies, because only ticks show that it works, and finds it held. */
+/** Opens a further page. The flight runs while the page loads, because only ticks show that the page works; then it is paused. */
 async function openHeld(options) {
   witness.say({ type: "restart", seed: null, scenario: null });
   await hold(false);
@@ -193,16 +193,16 @@ test("the override is what is in force, and flies as a scenario", LIMIT, async (
   assert.equal(download.suggestedFilename(), "a_300g_slow.override.toml");
   await page.locator("#override-close").click();
 
-  // Merged by hand: the scenario without its own table of gains, then this one.
+  // The test merges by hand: it takes the scenario without its own table of gains, and appends the override.
   const whole = readFileSync(path.join(ROOT, SCENARIO), "utf8").replace(/^\[gains[^\]]*\]\n(?:(?!\[).*\n?)*/gm, "");
   const folder = path.join(ROOT, "out");
   mkdirSync(folder, { recursive: true });
-  // Beside the scenarios' own folder, because their paths to vehicles are relative.
+  // The file stands beside the scenarios' own folder, because their paths to vehicles are relative.
   const file = path.join(folder, `override-${process.pid}.toml`);
   try {
     writeFileSync(file, `${whole}\n${text}`);
     execFileSync(BINARY, ["check", file], { cwd: ROOT, stdio: "pipe" });
-    // And it says what is in force.
+    // The merged scenario has the gains in force.
     const now = await gainsOf();
     assert.match(text, /^preset = "tuned"$/m);
     assert.ok(text.includes(String(now["slope.z"].value)), text);
@@ -246,7 +246,7 @@ test("payload, wind and effects change in the flight, and are shown as the serve
   await until(() => witness.state.effects_off.includes("ground_effect"), SOON, "the ground effect is off");
   await box.check();
   await until(() => !witness.state.effects_off.includes("ground_effect"), SOON, "and on again");
-  // Events belong to ticks, and the flight is held.
+  // Events belong to ticks and the flight is paused, so one tick is flown.
   await page.keyboard.press("Control+ArrowRight");
   const disturbances = () => witness.events.slice(seen).filter(({ kind }) => kind === "disturbance");
   const events = await until(() => disturbances().length >= 5 && disturbances(), SOON, () => `five changes, events: ${disturbances().map(({ text }) => text).join("; ")}`);
@@ -261,7 +261,7 @@ test("the help lists every key that is registered", LIMIT, async () => {
   const registered = await page.evaluate(() => window.__twin.commands.filter(({ keys }) => keys.length > 0).map(({ id }) => id));
   assert.ok(registered.length > 15, "the commands of the console");
   assert.deepEqual(listed.toSorted(), registered.toSorted());
-  // While the charts are inspected their keys go first; apart from those a key has one meaning.
+  // While the charts are inspected their keys take precedence; every other key has one meaning.
   const chords = await page.evaluate(() => window.__twin.commands.flatMap(({ id, keys }) => keys.map((key) => ({ id, key }))));
   const twice = chords.filter(({ key }, at) => chords.findIndex((other) => other.key === key) !== at).map(({ key }) => key);
   const unclear = twice.filter((key) => !chords.some((chord) => chord.key === key && chord.id.startsWith("charts.")));
@@ -272,7 +272,7 @@ test("the help lists every key that is registered", LIMIT, async () => {
 test("the keyboard alone pauses, changes a gain and takes it back", LIMIT, async () => {
   const keyed = await openHeld({ reducedMotion: "reduce" });
   const { keyboard } = keyed.page;
-  // The first stop of the tab key leads past the bar.
+  // The first element that the tab key reaches is a link past the top bar.
   await keyboard.press("Tab");
   assert.equal(await keyed.page.evaluate(() => document.activeElement?.textContent), "To the gains");
   await keyed.page.evaluate(() => document.activeElement?.blur());
@@ -321,7 +321,7 @@ test("on a phone nothing sticks out, and every control is large enough for a fin
     await phone.page.locator(`#section-${section}`).tap();
     await small(section);
   }
-  // Charts scroll between their head and their axis, never over either.
+  // The charts scroll between their heading and the timeline, and never cover either.
   await phone.page.locator("#section-charts").tap();
   const scrolls = await phone.page.evaluate(() => ["#charts-section", "#charts"].map((where) => document.querySelector(where)).map(({ scrollHeight, clientHeight }) => scrollHeight > clientHeight + 1));
   assert.deepEqual(scrolls, [false, true]);

@@ -1,5 +1,5 @@
-// The pictures of the README and the guide, made anew: node tests/browser/pictures.mjs [--at 24.7]
-// Wants the stock viewers (`twin viewers fetch --dir target/viewers --drake`); one flight, watched by four viewers at once.
+// Makes the pictures of the README and the guide: node tests/browser/pictures.mjs [--at 24.7]
+// It needs the stock viewers (`twin viewers fetch --dir target/viewers --drake`). Four viewers watch one flight at the same time.
 import { existsSync, statSync } from "node:fs";
 import path from "node:path";
 import { parseArgs } from "node:util";
@@ -10,10 +10,10 @@ const SCENARIO = "scenarios/a_500g_fast.toml";
 const VIEWERS = path.resolve(ROOT, process.env.TWIN_VIEWERS ?? "target/viewers");
 const FOLDER = path.join(ROOT, "web", "screenshots");
 const CONSOLE = { viewport: { width: 1600, height: 900 } };
-/** A quarter of the composed picture, px. */
+/** Size of a quarter of the composed picture, px. */
 const QUARTER = { width: 1040, height: 650 };
 const SOON = 120_000;
-/** What is written over each quarter, where it is served, and when it shows the flight. */
+/** Title of each quarter, path of its page, and a condition that holds when the page shows the flight. */
 const STOCK = [
   ["MeshCat 0.3.2 (the wheel's viewer)", "/meshcat/", () => Boolean(globalThis.viewer?.gui_controllers?.["slope.x"])],
   ["MeshCat as Drake 1.51.1 ships it", "/drake/", () => Boolean(globalThis.viewer?.gui_controllers?.["slope.x"])],
@@ -38,13 +38,13 @@ try {
   const stock = [];
   for (const [title, where, ready] of STOCK) stock.push([title, await open(where, ready)]);
   for (const [, page] of stock) await page.evaluate(() => globalThis.viewer?.gui?.open?.());
-  // From its start once more, so that every chart and trail has the whole flight.
+  // The flight starts once more, so that every chart and trail shows it from its start.
   await board.keyboard.press("r");
   await until(async () => (await state()).t_s < 5, SOON, "the flight flies anew");
   await reached();
   await board.keyboard.press("Space");
   await until(async () => (await state()).phase === "paused", SOON, "the flight is held");
-  // viser's remark that it draws in software is read and closed.
+  // Closes viser's notification that it draws in software.
   await stock[2][1].evaluate(() => document.querySelectorAll(".mantine-Notification-closeButton").forEach((button) => button.click()));
   await pause(4000);
   const quarters = [["The console", await board.screenshot({ path: path.join(FOLDER, "console-dark.png"), timeout: SOON })]];

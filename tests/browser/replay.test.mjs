@@ -1,4 +1,4 @@
-// `twin export html` and the replay of a failed test: one file, no network, open at the second at which it failed.
+// The page of `twin export html` and the replay of a failed test: one file without a network, which opens at the time of the failure.
 import assert from "node:assert/strict";
 import { pathToFileURL } from "node:url";
 import { after, before, test } from "node:test";
@@ -11,7 +11,7 @@ let complaints;
 let asked;
 
 before(async () => {
-  // A controller without feedback on z, told to keep a bound that it cannot keep: the test fails, and leaves its replay.
+  // A controller without feedback on z must keep a bound that it cannot keep, so the test fails and writes its replay.
   const flags = ["test", "scenarios/fails_broken_controller.toml", "--set", "expect.fails=tilt_rad", "--artifacts", own.folder, "--json"];
   const [failed] = JSON.parse(runTwin(flags, [1])).cases;
   assert.match(failed.message, /position_error_m/);
@@ -56,7 +56,7 @@ test("scrubbing moves the vehicle and the clock of the charts together", async (
     await until(async () => Math.abs((await replay()).time - time) < 0.006 && (await page.textContent("#time")) === `${time.toFixed(2)} s`, 5_000, `the clock shows ${time} s`);
     heights.push((await replay()).shownPose[2]);
   }
-  // Without feedback it sinks or climbs by more than the bound of 15 cm.
+  // Without feedback the vehicle sinks or climbs by more than the bound of 15 cm.
   assert.ok(Math.abs(heights[1] - heights[0]) > 0.1 && Math.max(...heights) - Math.min(...heights) > 0.15, heights.join());
 });
 

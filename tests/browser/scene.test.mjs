@@ -1,22 +1,22 @@
-// The 3-D view against the real server, in a real browser: what is drawn agrees with what the server says, and what the
-// operator does to the picture reaches the vehicle. Nothing here depends on how fast the machine is.
+// The 3-D view against the real server, in a real browser: the picture agrees with telemetry, and the operator's actions on the
+// picture reach the vehicle. No test depends on the speed of the machine.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { freePort, launchBrowser, openConsole, shown, startTwin, until } from "./harness.mjs";
 import { Oracle } from "./oracle.mjs";
 
 const SCENARIO = "scenarios/a_300g_slow.toml";
-/** Poses travel as f32; at 10 m that is 1e-6, and drawing may not add to it more than tenfold. */
+/** Telemetry has poses as f32, which at 10 m is exact to 1e-6 m; drawing may multiply this error by ten. */
 const POSE_TOLERANCE_M = 1e-5;
-/** Arrows follow from f32 channels and poses by a handful of products. */
+/** Tolerance of arrows, which are computed from f32 channels and poses by a few products. */
 const ARROW_TOLERANCE_M = 1e-5;
 /** Shorter arrows are not drawn, m. */
 const SHORTEST_M = 0.004;
-/** The card shows millimetres. */
+/** Tolerance of the card, which shows millimetres. */
 const CARD_TOLERANCE_M = 5.1e-4;
-/** A push this strong moves the vehicle at least so far off its reference, m; sensor noise is a tenth of it. */
+/** The push of the test moves the vehicle at least this far off its reference, m; sensor noise is a tenth of it. */
 const PUSHED_M = 0.04;
-/** Long enough for a loaded machine, short against a test's own limit, ms. */
+/** Time limit of a wait, ms. It is long enough for a loaded machine and short against a test's own limit. */
 const SOON = 20_000;
 const LIMIT = { timeout: 180_000 };
 
@@ -50,13 +50,13 @@ async function setPaused(paused) {
   await until(async () => ((await shown(page)).state.phase === "paused") === paused, SOON, `paused is ${paused}`);
 }
 
-/** Opens the list of what is drawn, if it is not open. */
+/** Opens the list of the things to draw, if it is not open. */
 async function openList() {
   if (await page.locator("#view").isHidden()) await page.keyboard.press("Shift+V");
   await until(() => page.locator("#view").isVisible(), SOON, "the list is open");
 }
 
-/** A flight that has just begun: it hovers for three seconds, so there is time for what a test does. */
+/** Starts the flight anew. It hovers for three seconds first, which gives the test enough time. */
 async function freshFlight() {
   await page.locator("#scene").focus();
   await setPaused(false);
@@ -75,7 +75,7 @@ async function inStep() {
   }, SOON, () => `page at the oracle's tick ${oracle.lastTick}`);
 }
 
-/** `v` turned by the quaternion [w x y z], by the rotation matrix written out. */
+/** The vector [a b c] turned by the quaternion [w x y z], computed by the rotation matrix. */
 function turned([w, x, y, z], [a, b, c]) {
   return [
     (1 - 2 * (y * y + z * z)) * a + 2 * (x * y - w * z) * b + 2 * (x * z + w * y) * c,
@@ -128,10 +128,10 @@ test("arrows are as long and point as the channels say", LIMIT, async () => {
   near(arrows.estimate.vector, estimate.map((v) => v * scale), ARROW_TOLERANCE_M, "estimate");
   const base = triple("base");
   const share = triple("adapted").map((v, k) => (v - base[k]) * scale);
-  // Too small an arrow tells no direction: it is left out, not drawn wrong.
+  // A very short arrow has no visible direction, so the page does not draw it.
   if (Math.hypot(...share) >= SHORTEST_M) near(arrows.adapter.vector, share, ARROW_TOLERANCE_M, "adapter's share");
   else assert.equal(arrows.adapter, undefined);
-  // A vehicle in hover carries some 3 kg: an oracle for the unit, not only for the copying.
+  // In hover the thrust carries a vehicle of about 3 kg, so this bound also checks the unit.
   assert.ok(total > 20 && total < 45, `total thrust ${total} N`);
 });
 

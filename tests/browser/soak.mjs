@@ -1,4 +1,4 @@
-// Memory of server and page, and lost ticks, over a long flight with eight clients: node tests/browser/soak.mjs [--minutes 30]
+// Measures the memory of server and page, and lost ticks, in a long flight with eight clients: node tests/browser/soak.mjs [--minutes 30]
 import { parseArgs } from "node:util";
 import { freePort, launchBrowser, openConsole, pause, startTwin } from "./harness.mjs";
 import { LONG_FLIGHT, machine, Reader, residentMiB } from "./measure.mjs";
@@ -8,11 +8,11 @@ const MINUTES = Number(options.minutes);
 if (!(MINUTES > 0 && MINUTES <= 55)) throw new Error(`--minutes ${options.minutes}: a flight lasts an hour at most, so 55 minutes can be watched`);
 const EVERY_S = Number(options.every);
 /**
- * Chromium's note that a picture was read before it was computed. Without a graphics card every read waits for the processor,
- * in Chromium's own process and not in the page's; on a card the page reads no picture at all.
+ * Chromium's warning that a picture was read before it was computed. Without a graphics card every read waits for the processor, but
+ * in Chromium's own process and not in the page's. With a card the page reads no picture at all.
  */
 const READ_BACK = /GPU stall due to ReadPixels/;
-/** With the page there are eight. */
+/** Number of reading clients; with the page there are eight clients. */
 const READERS = 7;
 
 console.log(`machine ${machine()}; ${MINUTES} min at 100 Hz, ${READERS} reading clients and one page`);

@@ -1,4 +1,4 @@
-// The stock MeshCat and viser viewers, as `twin viewers fetch` left them in target/viewers, beside the console, on one flight.
+// The stock MeshCat and viser viewers from `twin viewers fetch` (in target/viewers) and the console watch one flight.
 import assert from "node:assert/strict";
 import { existsSync, mkdirSync } from "node:fs";
 import path from "node:path";
@@ -7,9 +7,9 @@ import { freePort, launchBrowser, NOISE, openConsole, openPage, ROOT, shown, sta
 import { Oracle } from "./oracle.mjs";
 
 const SCENARIO = "scenarios/a_300g_slow.toml";
-/** Poses travel as f32; at 10 m that is 1e-6, and drawing may not add to it more than tenfold. */
+/** Telemetry has poses as f32, which at 10 m is exact to 1e-6 m; drawing may multiply this error by ten. */
 const POSE_TOLERANCE = 1e-5;
-/** Long enough for three pages on software rendering, ms. */
+/** Time limit of a wait, long enough for three pages that render in software, ms. */
 const SOON = 60_000;
 const LIMIT = { timeout: 240_000 };
 
@@ -24,12 +24,12 @@ let board;
 const open = (where, ready) => openPage(browser, twin.url + where, ready, { viewport: { width: 1280, height: 800 } });
 
 const openMeshcat = () => open("/meshcat/", () => Boolean(globalThis.viewer?.gui_controllers?.["slope.x"]));
-// The current MeshCat, as Drake ships it.
+// Drake ships the current MeshCat.
 const openDrake = () => open("/drake/", () => Boolean(globalThis.viewer?.gui_controllers?.["slope.x"]));
-// `__viserMutable` and `__viserTestpoints` are the stock client's own windows into its scene and its charts.
+// The stock client exposes its scene as `__viserMutable` and its charts as `__viserTestpoints`.
 const openViser = () => open("/viser", () => Boolean(globalThis.__viserMutable?.nodeRefFromName?.["/twin/reference"] && globalThis.__viserTestpoints?.uplots));
 
-/** World position (m) and quaternion (w first) of each body in MeshCat's scene: the nodes below /twin are the world's. */
+/** World position (m) and quaternion (w first) of each body in MeshCat's scene; the nodes below /twin are in the world frame. */
 const meshcatPoses = (names) => names.map((name) => {
   const { position: p, quaternion: q } = globalThis.viewer.scene_tree.find(["twin", name]).object;
   return [p.x, p.y, p.z, q.w, q.x, q.y, q.z];
@@ -45,7 +45,7 @@ const consolePoses = (names) => names.map((name) => {
   return [...position, ...quaternion_wxyz];
 });
 
-/** The largest difference to what telemetry says; a quaternion and its negative are the same rotation. */
+/** The largest difference from telemetry; a quaternion and its negative are the same rotation. */
 function worst(names, drawn) {
   let most = 0;
   names.forEach((name, index) => {
@@ -63,7 +63,7 @@ const gain = async (name) => {
 const state = async () => (await fetch(`${twin.url}/api/state`)).json();
 const inMeshcat = (name) => meshcat.page.evaluate((name) => globalThis.viewer.gui_controllers[name].getValue(), name);
 const press = (name) => meshcat.page.evaluate((name) => globalThis.viewer.gui_controllers[name].fire(), name);
-// viser gives each control its identifier; the slider keeps the whole value in a hidden field beside the rounded one.
+// viser gives each control its identifier. A slider has its exact value in a hidden field beside the rounded one.
 const viserSlider = (name) => viser.page.locator(`[id="gain.${name}"]`);
 const inViser = async (name) => Number(await viserSlider(name).locator("input[type=hidden]").inputValue());
 const viserField = (name) => viserSlider(name).locator('xpath=..//input[@inputmode="decimal"]');
@@ -74,7 +74,7 @@ before(async () => {
   browser = await launchBrowser();
   twin = await startTwin(SCENARIO, await freePort(), ["--viewer-dir", VIEWERS]);
   oracle = await Oracle.connect(twin.url);
-  // The console first: it is given less time than the stock viewers, which leave it little processor.
+  // The console opens first, because it has a shorter time limit than the stock viewers, which need most of the processor.
   board = await openConsole(browser, twin.url);
   meshcat = await openMeshcat();
   viser = await openViser();
@@ -88,7 +88,7 @@ after(async () => {
 });
 
 test("four viewers draw one live flight, viser with its two charts, and complain about nothing", LIMIT, async () => {
-  // The stretch and the number of known values of each of viser's charts.
+  // Time span and number of known values of each of viser's charts.
   const charts = () => viser.page.evaluate(() =>
     Object.values(globalThis.__viserTestpoints.uplots).map(({ chart }) => ({
       from: chart.scales.x.min,
@@ -112,7 +112,7 @@ test("MeshCat's buttons restart and hold the flight, and all scenes stand where 
   await press("Pause / Continue");
   await until(async () => (await state()).phase === "paused", SOON, "the flight is paused");
   const { tick } = await state();
-  // `tick` is the number of ticks flown, the newest has one less.
+  // `tick` is the number of ticks flown, so the newest tick has this number less one.
   await until(() => oracle.lastTick >= tick - 1, SOON, () => `the last tick of ${tick} came, not ${oracle.lastTick}`);
   const names = [...oracle.poses.keys()].filter((name) => [...oracle.poses.get(name)].every(Number.isFinite));
   assert.ok(names.length > 5, `bodies: ${names.join(" ")}`);
@@ -169,11 +169,11 @@ test("both stock viewers draw the trails, and each hides them for itself alone",
 });
 
 test("both stock viewers point an arrow as long as the residual, viser names what it draws, and MeshCat saves its picture", LIMIT, async () => {
-  // It has flown some seconds, so both arrows carry the weight of more than 3 kg, at 12.5 mm per newton.
+  // After some seconds of flight both arrows show the weight of more than 3 kg, at 12.5 mm per newton.
   const heavy = (length) => length > 0.3 && length < 0.6;
   const needle = () => meshcat.page.evaluate(() => globalThis.viewer.scene_tree.find(["twin", "forces", "estimate"]).object.scale.y);
   await until(async () => heavy(await needle()), SOON, "MeshCat's arrow");
-  // viser draws shafts and heads as two instanced meshes below the node.
+  // viser draws shafts and heads as two instanced meshes below the arrow's node.
   const inViser = () => viser.page.evaluate(() => {
     const nodes = globalThis.__viserMutable.nodeRefFromName;
     const counts = (name) => {
@@ -207,7 +207,7 @@ test("the current MeshCat holds the flight and moves a gain with keys, sets a ga
   await drake.page.evaluate(() => globalThis.viewer.gui_controllers["slope.y"].setValue(2.5));
   await until(async () => (await gain("slope.y")) === 2.5, SOON, "its slider sets the gain");
   await until(async () => (await inMeshcat("slope.y")) === 2.5, SOON, "the other MeshCat shows it");
-  // A slider's keys move it by its step.
+  // The keys of a slider move it by its step.
   const { gains } = await (await fetch(`${twin.url}/api/gains`)).json();
   const { value, step } = gains.find(({ name }) => name === "reset_threshold");
   const threshold = (wanted) => until(async () => Math.abs((await gain("reset_threshold")) - wanted) < 1e-9, SOON, `a reset threshold of ${wanted}`);

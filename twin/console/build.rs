@@ -1,7 +1,7 @@
 //! Builds the console with npm and packs it into the library.
 //!
-//! Without the feature `web`, without npm, or with `TWIN_WEB=skip` the table of assets is empty and the server shows a
-//! plain status page. `TWIN_WEB=require` makes a console that cannot be built an error.
+//! Without the feature `web`, without npm, or with `TWIN_WEB=skip` the table of assets is empty, and the server shows a
+//! plain status page. With `TWIN_WEB=require` the build fails if the console cannot be built.
 
 use std::error::Error;
 use std::fmt::Write as _;
@@ -30,7 +30,7 @@ fn main() -> Result<(), Failure> {
             Err(error) if wish == "require" => return Err(error),
             Err(error) => {
                 println!("cargo:warning=the console is not part of this build: {error}");
-                // Installing npm changes no file: a file that never exists makes the next build try again.
+                // Cargo cannot see that npm was installed. This file never exists, so the next build runs this script again.
                 println!("cargo:rerun-if-changed=../../web/.try-again");
                 (String::new(), String::new())
             }
@@ -65,7 +65,7 @@ fn watch(web: &Path) {
     }
 }
 
-/// The table of the console's files and that of the replay page's parts.
+/// Builds both pages; returns the table of the console's files and the table of the replay page's parts.
 fn build_web(web: &Path, out: &Path) -> Result<(String, String), Failure> {
     let console = build_console(web, out)?;
     let dist = out.join("replay");
@@ -140,7 +140,7 @@ fn pack(root: &Path, folder: &Path, packed: &Path, table: &mut String) -> Result
     Ok(())
 }
 
-/// Compresses `file` into the folder `packed`; its path there.
+/// Compresses `file` with gzip into the folder `packed`; returns the path of the compressed file.
 fn compressed(file: &Path, packed: &Path) -> Result<PathBuf, Failure> {
     let name = file.file_name().unwrap_or_default().to_string_lossy();
     let target = packed.join(format!("{name}.gz"));
@@ -150,7 +150,7 @@ fn compressed(file: &Path, packed: &Path) -> Result<PathBuf, Failure> {
     Ok(target)
 }
 
-/// Media type, and whether compression pays.
+/// Media type of a file, and whether gzip makes it smaller.
 fn media_type(name: &str) -> (&'static str, bool) {
     match name.rsplit_once('.').map_or("", |(_, extension)| extension) {
         "html" => ("text/html; charset=utf-8", true),

@@ -1,4 +1,4 @@
-// What a test may read of the page: values as shown, never a way to change them.
+// The values of the page that a browser test may read. They are the values shown, and a test cannot change them.
 import type { Store } from "./data/store";
 import type { Delivery, Link } from "./link/link";
 import { commands } from "./panels/commands";
@@ -18,20 +18,20 @@ export interface TwinHooks {
   readonly preset: string;
   /** World poses as drawn, by body name. */
   readonly bodies: Record<string, DrawnPose>;
-  /** The 3-D view as drawn; null where there is none. */
+  /** The 3-D view as drawn; null if the browser cannot draw one. */
   readonly scene: SceneHooks | null;
   /** Newest value of every channel; null where unknown. */
   readonly channels: Record<string, number | null>;
-  /** Reset marks in the history of the charts. */
+  /** Number of reset marks in the history of the charts. */
   readonly resets: number;
   readonly rows: number;
   readonly gapTicks: number;
   readonly delivery: Delivery | null;
-  /** What can be done, and the keys for it. */
+  /** All commands and their keys. */
   readonly commands: { id: string; keys: string[] }[];
-  /** What the charts show: the stretch in s, the cursor, and of each chart its lines as drawn. */
+  /** The content of the charts: the stretch shown in s, the cursor, and the lines of each chart as drawn. */
   readonly charts: ChartHooks;
-  /** Value of a channel at a tick as the history holds it; null if it is unknown or not held. */
+  /** Value of a channel at a tick of the history; null if it is unknown, or if the tick is not in the history. */
   at(channel: string, tick: number): number | null;
 }
 

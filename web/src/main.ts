@@ -1,4 +1,4 @@
-// The console: one store fed by one link, three views on it, one frame loop. What can be done is in `commands`.
+// The console: one link feeds one store, three views show the store, and one loop draws the frames. `commands` lists all actions.
 import { handReading } from "./panels/handReading";
 import { Store } from "./data/store";
 import { installHooks } from "./hooks";
@@ -20,7 +20,7 @@ import { preferProcessorCanvas } from "./plots/software";
 import { PROTOCOL_VERSION, type ServerMessage } from "./protocol";
 import { World } from "./scene/world";
 
-/** How often it is asked whether data are old, ms. */
+/** Time between two checks whether the data are stale, ms. */
 const AGE_EVERY_MS = 100;
 
 const store = new Store();
@@ -37,7 +37,7 @@ const log = new EventLog((event) => charts.showEvent(event));
 charts.onCursor = (tick) => log.mark(tick);
 const bar = new TopBar(store, link);
 const cameras = cameraButtons(() => world);
-/** The recording that is shown. */
+/** File of the mirrored recording on the screen; null if there is none. */
 let shownFile: string | null = null;
 const sceneView = world === null ? null : new SceneView(world, store);
 commands.register(
@@ -45,10 +45,10 @@ commands.register(
   { id: "flight.tick", group: "Flight", description: "fly one tick", keys: ["Ctrl+ArrowRight"], action: () => bar.step(), when: () => !charts.view.inspecting, repeats: true },
   { id: "flight.on", group: "Flight", description: "fly 100 ms while paused", keys: ["ArrowRight"], action: () => bar.step(Math.round(0.1 / (store.hello?.tick_s ?? 0.01))), when: () => store.state?.phase === "paused" && !charts.view.inspecting, repeats: true },
   { id: "flight.restart", group: "Flight", description: "restart the flight", keys: ["R"], action: () => bar.restart() },
-  { id: "camera.overview", group: "Camera", description: "the whole task", keys: ["F"], action: cameras.overview },
-  { id: "camera.follow", group: "Camera", description: "beside the vehicle", keys: ["V"], action: cameras.follow },
-  { id: "camera.top", group: "Camera", description: "from above", keys: ["T"], action: cameras.top },
-  { id: "camera.hand", group: "Camera", description: "close-up of the hand on or off", keys: ["H"], action: cameras.hand },
+  { id: "camera.overview", group: "Camera", description: "show the whole task", keys: ["F"], action: cameras.overview },
+  { id: "camera.follow", group: "Camera", description: "travel beside the vehicle", keys: ["V"], action: cameras.follow },
+  { id: "camera.top", group: "Camera", description: "look from above", keys: ["T"], action: cameras.top },
+  { id: "camera.hand", group: "Camera", description: "show or hide the close-up of the hand", keys: ["H"], action: cameras.hand },
 );
 const bench = new Workbench(store, link, bar);
 const mirror = new MirrorBar(store, (request) => link.send(request), () => charts.view.marked());
@@ -59,7 +59,7 @@ let retryAt = 0;
 let ageAt = 0;
 const texts = new Beat();
 let stale = false;
-/** The reading before found nothing new. */
+/** Whether the last check found the data stale. */
 let suspect = false;
 const address = new URL("/ws", location.href);
 address.protocol = location.protocol === "https:" ? "wss:" : "ws:";
@@ -74,7 +74,7 @@ function buildWorld(): World | null {
       send: (request) => link.send(request),
     });
   } catch (error) {
-    notify("error", `no 3-D view, because this browser offers no WebGL 2 (${error instanceof Error ? error.message : "unknown reason"}); charts and gains work`);
+    notify("error", `the 3-D view is off, because this browser has no WebGL 2 (${error instanceof Error ? error.message : "unknown reason"}); charts and gains work without it`);
     return null;
   }
 }
@@ -112,7 +112,7 @@ function message(received: ServerMessage): void {
 
 function hello(received: Extract<ServerMessage, { type: "hello" }>): void {
   if (received.protocol !== PROTOCOL_VERSION) {
-    notify("error", `the server speaks protocol ${received.protocol}, this page ${PROTOCOL_VERSION}: reload the page`);
+    notify("error", `the server uses protocol ${received.protocol} and this page ${PROTOCOL_VERSION}: reload the page`);
     return;
   }
   store.accept(received);
@@ -126,7 +126,7 @@ function hello(received: Extract<ServerMessage, { type: "hello" }>): void {
   followed(received.mirror?.file ?? null);
 }
 
-/** A recorded flight goes where no arena is: the camera goes with it until somebody chooses another. */
+/** Lets the camera follow the vehicle of a new recording, because a recorded flight has no arena that the camera could show. */
 function followed(file: string | null): void {
   if (file !== null && file !== shownFile) cameras.follow();
   shownFile = file;
@@ -157,8 +157,8 @@ function frame(now: number): void {
 }
 
 /**
- * Stale data is greyed. It has to be found stale twice in a row: after a page that was busy for long, what came meanwhile is
- * taken in between.
+ * Greys the page while data are stale. While the connection is open, two checks in a row must find them stale: a page that was busy
+ * for long adds the waiting frames between two checks.
  */
 function age(): void {
   const old = link.health.stale(clockMs(), store.state?.phase === "flying");
@@ -171,7 +171,7 @@ function age(): void {
   readings();
 }
 
-/** Texts that change all the time, and the banner that says why data are stale. */
+/** Writes the texts that change all the time, and the banner that says why data are stale. */
 function readings(): void {
   bar.readings(stale);
   mirror.readings();

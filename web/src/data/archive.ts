@@ -1,5 +1,5 @@
-// What a mirrored recording has shown so far, by tick: after a jump the charts begin with what was drawn before, and not with the
-// run-up of the server alone.
+// Keeps the rows of a mirrored recording that this page has received, by tick. After a jump the charts show the rows before the
+// target from here, and not only the few seconds that the server sends before the target.
 import { HISTORY_TICKS } from "./history";
 
 export class Archive {
@@ -23,12 +23,12 @@ export class Archive {
     this.ticks[slot] = tick;
   }
 
-  /** Nothing is known any more. */
+  /** Forgets all rows. */
   clear(): void {
     this.ticks.fill(-1);
   }
 
-  /** Gives every row that leads up to `tick` without a hole to `into`, oldest first, at most `most` of them. */
+  /** Calls `into` for each row of the unbroken run of kept rows that ends just before `tick`: oldest first, at most `most` rows. */
   before(tick: number, most: number, into: (tick: number, values: Float32Array, offset: number) => void): void {
     let from = tick;
     while (from > 0 && tick - from < most && this.ticks[(from - 1) % this.capacity] === from - 1) from -= 1;

@@ -1,4 +1,4 @@
-// A stretch of history as comma-separated values: every tick, physical units, nothing decimated.
+// Writes a stretch of the history as comma-separated values: every tick, in physical units, without decimation.
 import type { History } from "./history";
 
 export interface CsvColumn {
@@ -8,8 +8,8 @@ export interface CsvColumn {
 }
 
 /**
- * The ticks `from` to `to`, both included, as far as they are held. A lost tick has no line; an unknown value is `NaN`.
- * `lost` says which ticks never came.
+ * One line for each tick `from` to `to`, both included, that the history has. A lost tick has no line; an unknown value is `NaN`.
+ * `lost` tells whether a tick was lost on the way to this page.
  */
 export function csvOf(history: History, columns: CsvColumn[], from: number, to: number, timeOf: (tick: number) => number, lost: (tick: number) => boolean): string {
   const head = ["tick", "t_s", ...columns.map(({ name, unit }) => field(unit === "" ? name : `${name} [${unit}]`))];
@@ -23,7 +23,7 @@ export function csvOf(history: History, columns: CsvColumn[], from: number, to: 
   return `${lines.join("\r\n")}\r\n`;
 }
 
-/** The shortest decimal that reads back as the same 32-bit float. */
+/** The shortest decimal number that is read back as the same 32-bit float. */
 export function shortest(value: number): string {
   if (!Number.isFinite(value)) return String(value);
   for (let digits = 6; digits < 9; digits += 1) {
@@ -33,7 +33,7 @@ export function shortest(value: number): string {
   return String(Number(value.toPrecision(9)));
 }
 
-/** Quoted where RFC 4180 asks for it. */
+/** The text as a field of a line, with quotes if RFC 4180 demands them. */
 function field(text: string): string {
   return /[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
 }

@@ -4,7 +4,7 @@
 import type { History } from "./history";
 import { Extremes, LEVEL_TICKS } from "./pyramid";
 
-/** `null` breaks the line; `undefined` is "no point of this series here", the line goes on (uPlot's convention). */
+/** `null` breaks the line; `undefined` means that the series has no point here and its line goes on (uPlot's convention). */
 export type Sample = number | null | undefined;
 
 export interface Decimated {
@@ -13,12 +13,12 @@ export interface Decimated {
   series: Sample[][];
 }
 
-/** What is drawn of one column. */
+/** How one column of the history is drawn. */
 export interface Trace {
   column: number;
-  /** Ticks later than its own at which a value is drawn: a forecast belongs to the time it speaks of. */
+  /** A value is drawn this many ticks after its own tick, because a forecast stands at the time that it predicts. */
   shift: number;
-  /** Factor on the value. */
+  /** Factor by which the value is multiplied. */
   scale: number;
 }
 
@@ -26,11 +26,11 @@ export interface Trace {
 export function bucketTicks(windowTicks: number, buckets: number): number {
   const needed = windowTicks / Math.max(1, buckets);
   const bucket = 2 ** Math.max(0, Math.ceil(Math.log2(needed)));
-  // Two ticks to a bucket would be as many points as one.
+  // A bucket of two ticks has two points, its minimum and maximum, so it would save nothing.
   return bucket === 2 ? 1 : bucket;
 }
 
-/** Points of `traces` drawn at the ticks `from` up to, not including, `to`, `bucket` ticks to a bucket. */
+/** Points of `traces` at the ticks `from` up to, not including, `to`, with `bucket` ticks per bucket. */
 export function decimate(history: History, traces: Trace[], from: number, to: number, bucket: number, timeOf: (tick: number) => number): Decimated {
   const out: Decimated = { x: [], series: traces.map(() => []) };
   const latest = history.last + Math.max(0, ...traces.map(({ shift }) => shift));
@@ -87,7 +87,7 @@ function gather(history: History, { column, shift }: Trace, start: number, bucke
   else history.scanLevel(column, level, from, to, into);
 }
 
-/** Coarsest level whose stretches fit into a bucket; -1 for none. */
+/** Coarsest level of the pyramid whose stretches fit into a bucket; -1 if there is none. */
 function levelFor(bucket: number): number {
   let level = -1;
   LEVEL_TICKS.forEach((ticks, index) => {

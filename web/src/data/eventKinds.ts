@@ -1,5 +1,5 @@
-// The kinds of events: glyph, word and line of each, the same in the list and on the charts. A kind never rests on its
-// colour alone.
+// The kinds of events: each has a glyph, a word and a line pattern, the same in the event list and on the charts. Operators can
+// tell kinds apart without colours.
 
 export type Tone = "good" | "warn" | "bad";
 
@@ -8,9 +8,9 @@ export interface EventKind {
   icon: string;
   label: string;
   tone?: Tone;
-  /** Pattern of its line on the charts, px; none is a solid line. */
+  /** Dash pattern of its line on the charts, px; an empty pattern is a solid line. */
   dash: number[];
-  /** Drawn over the others where marks lie on top of one another. */
+  /** Where marks overlap, the mark with the largest weight is drawn. */
   weight: number;
 }
 
@@ -28,7 +28,7 @@ export const EVENT_KINDS: EventKind[] = [
 
 const BY_NAME = new Map(EVENT_KINDS.map((kind) => [kind.kind, kind]));
 
-/** What is known of a kind; one that this page has not heard of gets a dot and its own name. */
+/** The look of a kind; a kind that this page does not know gets a dot and its own name. */
 export function eventKind(kind: string): EventKind {
   return BY_NAME.get(kind) ?? { kind, icon: "·", label: kind, dash: [1, 5], weight: 0 };
 }

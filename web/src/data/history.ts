@@ -1,5 +1,5 @@
-// The channels of the last minutes, one row per tick, found by tick number. A tick that was lost on the way is a row of
-// NaN, so a stretch of time is always a stretch of rows.
+// The channels of the last minutes: one row per tick, found by the tick's number. A lost tick has a row of NaN, so a stretch of
+// time is always a stretch of rows.
 import { type Extremes, LEVEL_TICKS, Pyramid } from "./pyramid";
 
 /**
@@ -15,7 +15,7 @@ export class History {
   private start = NaN;
   private newest = NaN;
 
-  /** `capacity`: a power of two, at least twice the longest stretch of a pyramid. */
+  /** `capacity` is the number of rows: a power of two, at least twice the longest stretch of a pyramid. */
   constructor(
     readonly capacity: number,
     readonly width: number,
@@ -24,18 +24,18 @@ export class History {
     this.pyramids = Array.from({ length: width }, () => new Pyramid(capacity));
   }
 
-  /** Oldest tick held; NaN while empty. The pyramids know it as well, so it moves by whole stretches. */
+  /** Oldest tick in the history; NaN while it is empty. It moves by whole stretches of the pyramids, so that they stay valid. */
   get first(): number {
     const kept = Math.ceil((this.newest + 1 - this.capacity) / LONGEST) * LONGEST;
     return Math.max(this.start, kept);
   }
 
-  /** Newest tick held; NaN while empty. */
+  /** Newest tick in the history; NaN while it is empty. */
   get last(): number {
     return this.newest;
   }
 
-  /** Ticks held, lost ones included. */
+  /** Number of ticks in the history, lost ones included. */
   get length(): number {
     return Number.isNaN(this.newest) ? 0 : this.newest - this.first + 1;
   }
@@ -58,12 +58,12 @@ export class History {
     this.newest = NaN;
   }
 
-  /** Value of a column; NaN if it is unknown or not held. */
+  /** Value of a column; NaN if it is unknown, or if the tick is not in the history. */
   at(column: number, tick: number): number {
     return this.holds(tick) ? (this.columns[column]?.[tick & (this.capacity - 1)] ?? NaN) : NaN;
   }
 
-  /** Feeds the ticks `from` up to, not including, `to` of a column to `into`; all of them are held. */
+  /** Feeds the ticks `from` up to, not including, `to` of a column to `into`; all of them must be in the history. */
   scan(column: number, from: number, to: number, into: Extremes): void {
     const data = this.columns[column];
     if (data === undefined) return;
@@ -71,7 +71,7 @@ export class History {
     for (let tick = from; tick < to; tick += 1) into.add(data[tick & mask] ?? NaN);
   }
 
-  /** As `scan`, from the stretches of a level: up to one stretch more at either end. */
+  /** Does as `scan` from the stretches of a pyramid's level; it may take in up to one stretch more at either end. */
   scanLevel(column: number, level: number, from: number, to: number, into: Extremes): void {
     const ticks = LEVEL_TICKS[level] ?? 1;
     for (let tick = Math.floor(from / ticks) * ticks; tick < to; tick += ticks) this.pyramids[column]?.read(level, tick, into);

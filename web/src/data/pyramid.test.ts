@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import { Extremes, LEVEL_TICKS, Pyramid } from "./pyramid";
 
-/** Numbers that repeat, cross zero and hold a NaN now and then; the same at every run. */
+/** Numbers that repeat, cross zero and are NaN now and then. They depend on `seed` only. */
 function numbers(count: number, seed: number): number[] {
   let state = seed;
   return Array.from({ length: count }, () => {
@@ -10,7 +10,7 @@ function numbers(count: number, seed: number): number[] {
   });
 }
 
-/** What a bucket is, straight from its definition. */
+/** The minimum and maximum of a bucket in their order in time, computed from the definition. */
 function naive(values: number[]) {
   const known = values.filter((value) => !Number.isNaN(value));
   const [low, high] = [Math.min(...known), Math.max(...known)];

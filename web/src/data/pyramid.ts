@@ -1,7 +1,7 @@
-// Smallest and largest value of one channel over stretches of 16 and of 256 ticks, in the order they happened, so that a
-// long window is drawn from a few thousand pairs and not from every tick. Kept up to date with each value, never rebuilt.
+// Smallest and largest value of one channel over stretches of 16 and of 256 ticks, in their order in time. A long window is drawn
+// from a few thousand such pairs and not from every tick. Each new value updates the pairs; they are never rebuilt.
 
-/** Ticks of a stretch, by level. */
+/** Number of ticks of a stretch, by level. */
 export const LEVEL_TICKS = [16, 256] as const;
 
 /** Smallest and largest of the values fed in, and which of the two came first. A NaN is noted and otherwise ignored. */
@@ -33,7 +33,7 @@ export class Extremes {
     }
   }
 
-  /** No value but NaN came in, or nothing at all. */
+  /** Whether no value other than NaN was fed in. */
   get empty(): boolean {
     return Number.isNaN(this.low);
   }
@@ -51,13 +51,13 @@ export class Pyramid {
   private readonly pairs: Float32Array[];
   private readonly missing: Uint8Array[];
 
-  /** `capacity` ticks of history, a multiple of the longest stretch. */
+  /** `capacity` is the number of ticks of the history, a multiple of the longest stretch. */
   constructor(capacity: number) {
     this.pairs = LEVEL_TICKS.map((ticks) => new Float32Array((2 * capacity) / ticks));
     this.missing = LEVEL_TICKS.map((ticks) => new Uint8Array(capacity / ticks));
   }
 
-  /** Takes the value of `tick`; ticks come one after the other. `fresh`: nothing before `tick` counts. */
+  /** Takes the value of `tick`; ticks come one after the other. `fresh` tells that the history starts anew at `tick`. */
   add(tick: number, value: number, fresh: boolean): void {
     for (let level = 0; level < LEVEL_TICKS.length; level += 1) {
       const ticks = LEVEL_TICKS[level] ?? 1;
@@ -75,7 +75,7 @@ export class Pyramid {
     }
   }
 
-  /** Feeds the stretch of `level` that `tick` lies in to `into`. */
+  /** Feeds the stretch of `level` that contains `tick` to `into`. */
   read(level: number, tick: number, into: Extremes): void {
     const pairs = this.pairs[level];
     const missing = this.missing[level];
@@ -90,7 +90,7 @@ export class Pyramid {
   }
 }
 
-/** The pair at `at` with a later `value` taken in. */
+/** Widens the pair at index `at` so that it includes a later `value`. */
 function widen(pairs: Float32Array, at: number, value: number): void {
   const first = pairs[at] ?? NaN;
   const second = pairs[at + 1] ?? NaN;

@@ -1,8 +1,8 @@
-// Stretches of ticks: where the adapter is frozen, which ticks were lost.
+// Stretches of ticks, for example those in which the adapter is frozen or which were lost.
 import type { History } from "./history";
 import { Extremes, LEVEL_TICKS } from "./pyramid";
 
-/** Ticks, both included. */
+/** A stretch of ticks, both ends included. */
 export interface TickSpan {
   from: number;
   to: number;
@@ -10,7 +10,7 @@ export interface TickSpan {
 
 const COARSE_FROM = 16 * (LEVEL_TICKS[0] ?? 1);
 
-/** Stretches of `from`..`to` in which `column` is above one half; edges are exact to `resolution` ticks. */
+/** Stretches within `from`..`to` in which `column` is above one half; their ends are exact to `resolution` ticks. */
 export function spansAbove(history: History, column: number, from: number, to: number, resolution: number): TickSpan[] {
   const spans: TickSpan[] = [];
   const extremes = new Extremes();
@@ -29,7 +29,7 @@ export function spansAbove(history: History, column: number, from: number, to: n
   return spans;
 }
 
-/** Those of the ascending, disjoint `spans` that touch `from`..`to`. */
+/** The members of the ascending, disjoint `spans` that overlap `from`..`to`. */
 export function touching(spans: TickSpan[], from: number, to: number): TickSpan[] {
   return spans.filter((span) => span.to >= from && span.from <= to);
 }
@@ -38,7 +38,7 @@ export function covers(spans: TickSpan[], tick: number): boolean {
   return spans.some((span) => span.from <= tick && tick <= span.to);
 }
 
-/** Part of the ascending `ticks` that lies in `from`..`to`. */
+/** The members of the ascending `ticks` that lie in `from`..`to`. */
 export function within(ticks: number[], from: number, to: number): number[] {
   return ticks.slice(lowerBound(ticks, from), lowerBound(ticks, to + 1));
 }

@@ -18,7 +18,7 @@ describe("statistics", () => {
 
   it("of a whole number of sine periods is a mean of nothing and a root mean square of amplitude over root two", () => {
     const found = statistics(historyOf(Array.from({ length: 400 }, (_, i) => 2 * Math.sin((2 * Math.PI * i) / 40))), 0, 0, 399);
-    // Values are held as 32-bit floats: 1e-6 of the amplitude.
+    // The history stores 32-bit floats, so the tolerance is 1e-6 of the amplitude.
     expect(found.mean).toBeCloseTo(0, 6);
     expect(found.rms).toBeCloseTo(Math.SQRT2, 6);
   });

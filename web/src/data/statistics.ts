@@ -1,10 +1,10 @@
-// What a stretch of one channel amounts to.
+// Statistics of one channel over a stretch of ticks.
 import type { History } from "./history";
 
 export interface Statistics {
-  /** Known values. */
+  /** Number of known values. */
   count: number;
-  /** Ticks without one: lost or NaN. */
+  /** Number of ticks without a known value: lost ones, and those with NaN. */
   missing: number;
   min: number;
   mean: number;
@@ -12,7 +12,7 @@ export interface Statistics {
   rms: number;
 }
 
-/** Over the ticks `from` to `to`, both included, as far as they are held; NaN where no value is known. */
+/** Statistics over the ticks `from` to `to`, both included, that are in the history; NaN if no value is known. */
 export function statistics(history: History, column: number, from: number, to: number): Statistics {
   let [count, missing, sum, squares, min, max] = [0, 0, 0, 0, Infinity, -Infinity];
   const end = Math.min(to, history.last);

@@ -103,7 +103,7 @@ describe("a mirrored recording", () => {
     jump(s, recording, 150, 180);
     expect([s.history.first, s.lastTick, s.gaps]).toEqual([0, 179, []]);
     for (let tick = 0; tick < 180; tick += 1) expect(s.at("error.x", tick)).toBe(tick);
-    // Nothing is known of the ticks between: nothing is drawn before them.
+    // The ticks between are unknown, so no row before them is drawn.
     jump(s, recording, 300, 320);
     expect(s.history.first).toBe(300);
   });

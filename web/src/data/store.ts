@@ -1,14 +1,14 @@
-// What is known about the flight: the newest hello, the history of channels, and the newest poses.
+// The state of the flight as this page knows it: the newest hello, the history of the channels, and the newest poses.
 import type { Telemetry } from "../link/decode";
 import type { ChannelInfo, EventInfo, Hello, StateInfo } from "../protocol";
 import { Archive } from "./archive";
 import { History, HISTORY_TICKS } from "./history";
 import { covers, type TickSpan } from "./spans";
 
-/** Smallest history there can be, for a page that has heard nothing yet. */
+/** Length of the history before the first `hello`: the shortest that is possible. */
 const NO_HISTORY_TICKS = 512;
 const KEPT_EVENTS = 2000;
-/** After a jump the charts begin with at most so many ticks of before: a minute. Longer windows fill as the flight is played. */
+/** Most rows that the charts take from the archive after a jump: one minute. A longer window fills while the recording plays. */
 const RECALLED_TICKS = 6000;
 
 export class Store {
@@ -25,11 +25,11 @@ export class Store {
   gaps: TickSpan[] = [];
   events: EventInfo[] = [];
   private columns = new Map<string, number>();
-  /** Of the recording that is mirrored; null beside a simulated flight or a stream. */
+  /** The archive of the mirrored recording; null for a simulated flight and for a stream. */
   private archive: Archive | null = null;
   private recording: string | null = null;
 
-  /** Starts over with what `hello` describes. */
+  /** Starts over with the flight that `hello` describes. */
   accept(hello: Hello): void {
     this.hello = hello;
     this.state = hello.state;
@@ -40,7 +40,7 @@ export class Store {
     this.events = hello.events.slice(-KEPT_EVENTS);
   }
 
-  /** Forgets the flight so far, keeps its description. */
+  /** Forgets the rows and events of the flight; keeps its description. */
   clear(): void {
     this.forgetRows();
     this.newest = null;
@@ -48,7 +48,7 @@ export class Store {
     this.events = [];
   }
 
-  /** Adds a frame; false if it belongs to another description of the flight. */
+  /** Adds a frame; returns false if the frame belongs to another description of the flight. */
   ingest(frame: Telemetry): boolean {
     if (this.hello === null || frame.schemaId !== this.hello.schema_id || frame.channelCount !== this.history.width) return false;
     const another = frame.reset || (frame.rows > 0 && frame.firstTick <= this.lastTick);
@@ -68,7 +68,7 @@ export class Store {
     return true;
   }
 
-  /** Gains changed: what was drawn under others does not lead up to what comes. */
+  /** Forgets the archive after a change of gains, because rows under the old gains do not lead up to the new ones. */
   forgetDrawn(): void {
     this.archive?.clear();
   }
@@ -88,12 +88,12 @@ export class Store {
     return this.hello?.tick_s ?? 0.01;
   }
 
-  /** Ticks ahead that the forecast `ahead` speaks of; 0 without one. */
+  /** Number of ticks by which the forecast `ahead` looks ahead; 0 if there is none. */
   get horizonTicks(): number {
     return this.columns.has(`ahead.${this.rows()[0] ?? ""}`) ? (this.hello?.horizon_ticks ?? 0) : 0;
   }
 
-  /** What the task is doing, in plain words where an event gave them. */
+  /** The phase of the task, in plain words if an event gave them. */
   phaseText(): string {
     const said = this.events.filter(({ kind }) => kind === "phase").at(-1);
     return said?.text ?? this.state?.task_phase.replaceAll("_", " ") ?? "";
@@ -109,7 +109,7 @@ export class Store {
     return this.columns.get(name);
   }
 
-  /** Value of a channel; NaN when unknown, or when the tick is not held. */
+  /** Value of a channel; NaN if it is unknown, or if the tick is not in the history. */
   at(name: string, tick: number): number {
     const index = this.columns.get(name);
     return index === undefined ? NaN : this.history.at(index, tick);
@@ -124,7 +124,7 @@ export class Store {
     return covers(this.gaps, tick);
   }
 
-  /** Row names that channels speak of, in order of appearance. */
+  /** Names of the coordinates to which channels belong, in order of appearance. */
   rows(): string[] {
     const named = (this.hello?.channels ?? []).flatMap((channel) => (channel.row === null ? [] : [channel.row]));
     return [...new Set(named)];
@@ -136,7 +136,7 @@ export class Store {
     if (reset !== undefined && (values[offset + reset] ?? 0) > 0.5) this.resets.push(tick);
   };
 
-  /** A jump in a recording ends with a new description of the same; a stream may be judged anew, and is not looked back into. */
+  /** Keeps the archive if `hello` describes the same recording again, as after a jump. A stream has no archive. */
   private rememberRecording({ mirror, channels }: Hello): void {
     const recording = mirror === null || mirror === undefined || mirror.live ? null : JSON.stringify([mirror, channels]);
     if (recording === this.recording) return;
@@ -150,7 +150,7 @@ export class Store {
     this.gaps = [];
   }
 
-  /** Marks of rows that are no longer held. */
+  /** Forgets marks whose rows have left the history. */
   private forgetMarks(): void {
     const { first } = this.history;
     while ((this.resets[0] ?? Infinity) < first) this.resets.shift();

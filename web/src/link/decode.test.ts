@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import { decodeTelemetry } from "./decode";
 
-// Written by hand from the protocol text, byte by byte: two rows of three channels, one body, one contact.
+// A frame written by hand, byte by byte, from the text of the protocol: two rows of three channels, one body, one contact.
 function frame(): ArrayBuffer {
   const floats = [1, 2, 3, 4, 5, NaN, /* body */ 0.5, 1.5, 2.5, 1, 0, 0, 0, /* reference */ 9, 8, 7, 0, 1, 0, 0, /* contact */ 1, 2, 3, 0, 0, 12, /* spectrum */ 5, 0.5];
   const frame = new ArrayBuffer(44 + 4 * floats.length);

@@ -15,27 +15,27 @@ export interface Telemetry {
   firstTick: number;
   rows: number;
   channelCount: number;
-  /** Ticks the server dropped for this client just before `firstTick`. */
+  /** Number of ticks that the server dropped for this client just before `firstTick`. */
   gap: number;
-  /** The flight started again: everything older is another flight. */
+  /** Whether the flight has started anew, so that all older frames belong to another flight. */
   reset: boolean;
   /** Simulated time of the newest row, s. */
   tSim: number;
-  /** When the frame left, on the server's clock (its uptime), s. */
+  /** Time at which the server sent the frame, on the server's clock (its uptime), s. */
   tWall: number;
-  /** `rows` x `channelCount`. */
+  /** Values of the channels, `rows` x `channelCount`. */
   channels: Float32Array;
-  /** x y z (m), w x y z of each moving body in scene order, newest tick. */
+  /** Pose of each moving body at the newest tick, in the order of the scene: x y z (m), then the quaternion w x y z. */
   poses: Float32Array;
-  /** Base pose of the reference, same layout as one body. */
+  /** Pose of the vehicle's root in the reference, in the same layout as one body. */
   reference: Float32Array;
-  /** Point (m) and force (N) in the world of each contact. */
+  /** Point (m) and force (N) of each contact, in the world. */
   contacts: Float32Array;
   /** Eigenvalues of the adapter's covariance, largest first. */
   spectrum: Float32Array;
 }
 
-/** Reads one frame; the text of the Error says what was found. */
+/** Decodes one frame. Throws an Error that says what was found and what was expected. */
 export function decodeTelemetry(frame: ArrayBuffer): Telemetry {
   if (frame.byteLength < HEADER_BYTES) {
     throw new Error(`telemetry frame of ${frame.byteLength} bytes is shorter than its ${HEADER_BYTES}-byte header`);

@@ -1,8 +1,8 @@
-// Link health: what the top bar shows about the connection, computed from arrival times alone.
+// The health of the connection, which the top bar shows. It is computed from arrival times alone.
 
-/** Data older than this while flying is shown as stale, ms. */
+/** While a flight runs, data older than this count as stale, ms. */
 export const STALE_AFTER_MS = 500;
-/** While paused or ended only `state` messages come (2 Hz), ms. */
+/** The same limit while the flight is paused or has ended, ms. It is longer because only `state` messages come then (2 Hz). */
 export const SILENT_AFTER_MS = 1600;
 const RATE_WINDOW_MS = 1000;
 
@@ -11,7 +11,7 @@ export class LinkHealth {
   gapTicks = 0;
   gapCount = 0;
   roundTripMs = NaN;
-  /** Connections after the first. */
+  /** Number of connections after the first one. */
   reconnects = 0;
   private opened = false;
   private lastMessage = -Infinity;
@@ -34,7 +34,7 @@ export class LinkHealth {
     }
   }
 
-  /** Age of what the screen shows, ms: of telemetry while flying, of any word from the server otherwise. */
+  /** Age of the data on the screen, ms: time since the newest telemetry while a flight runs, else since the newest message. */
   ageMs(now: number, flying: boolean): number {
     return Math.max(0, now - (flying ? this.lastTelemetry : this.lastMessage));
   }
@@ -48,7 +48,7 @@ export class LinkHealth {
     return this.arrivals.length * (1000 / RATE_WINDOW_MS);
   }
 
-  /** Bytes that came over the socket, of whatever kind. */
+  /** Counts bytes of any message that came over the socket. */
   bytes(now: number, count: number): void {
     this.received.push({ at: now, bytes: count });
     this.forget(now);
@@ -59,7 +59,7 @@ export class LinkHealth {
     return this.received.reduce((sum, { bytes }) => sum + bytes, 0) * (1000 / RATE_WINDOW_MS);
   }
 
-  /** A connection is open. */
+  /** Notes that a connection has opened. */
   open(now: number): void {
     if (this.opened) this.reconnects += 1;
     this.opened = true;
@@ -67,7 +67,7 @@ export class LinkHealth {
     this.restart(now);
   }
 
-  /** A new connection or a new flight: the counts belong to it alone. */
+  /** Restarts all counts, for a new connection or a new flight. */
   restart(now: number): void {
     this.gapTicks = 0;
     this.gapCount = 0;
@@ -83,7 +83,7 @@ export class LinkHealth {
   }
 }
 
-/** Wait before the next attempt to connect, ms: 0.25 s doubling to 4 s. */
+/** Time to wait before the next attempt to connect, ms. It starts at 0.25 s and doubles with each failure up to 4 s. */
 export function backoffMs(failures: number): number {
   return Math.min(4000, 250 * 2 ** Math.min(failures, 10));
 }

@@ -1,4 +1,4 @@
-// The page's end of the connection: typed messages in and out, and what is known about the connection's health.
+// The page's end of the connection: typed messages in both directions, and the health of the connection.
 import type { ClientMessage, ServerMessage } from "../protocol";
 import { decodeTelemetry, type Telemetry } from "./decode";
 import { LinkHealth } from "./health";
@@ -7,12 +7,12 @@ import type { FromWorker, ToWorker } from "./socket.worker";
 export interface LinkHandlers {
   message(message: ServerMessage): void;
   telemetry(telemetry: Telemetry): void;
-  /** Something that came cannot be read; shown to the operator. */
+  /** Takes a text for the operator that tells why a message of the server cannot be read. */
   unreadable(text: string): void;
   connection(connected: boolean, retryMs: number): void;
 }
 
-/** The newest frame of telemetry on its way: when it left by the server's clock, came and was taken in by the page's, ms. */
+/** Times of the newest telemetry frame, ms: sent (server's clock), received and added to the store (page's clock). */
 export interface Delivery {
   tick: number;
   leftMs: number;
@@ -20,7 +20,7 @@ export interface Delivery {
   takenMs: number;
 }
 
-/** Now on the clock shared with the worker, ms. */
+/** Current time on the clock that the page shares with the worker, ms. */
 export const clockMs = (): number => performance.timeOrigin + performance.now();
 
 export class Link {
@@ -36,7 +36,7 @@ export class Link {
     this.post({ kind: "open", url });
   }
 
-  /** Sends `message`; without a connection it is lost, and the operator sees that there is none. */
+  /** Sends `message`. Without a connection the message is lost, and a banner shows the operator that there is no connection. */
   send(message: ClientMessage): void {
     this.post({ kind: "send", text: JSON.stringify(message) });
   }

@@ -1,4 +1,4 @@
-// The socket lives in a worker: a busy page then delays drawing, but loses no frame and does not look stale.
+// The socket lives in a worker. A busy page therefore delays drawing, but it loses no frame and its data do not count as stale.
 import { backoffMs } from "./health";
 
 export type ToWorker = { kind: "open"; url: string } | { kind: "send"; text: string };
@@ -15,7 +15,7 @@ interface WorkerScope {
 
 const scope = self as unknown as WorkerScope;
 const PING_EVERY_MS = 1000;
-/** A connection that says nothing for this long is dead even if TCP has not noticed, ms. */
+/** A connection without a message for this long counts as dead, even if TCP has not noticed it, ms. */
 const DEAD_AFTER_MS = 5000;
 let socket: WebSocket | null = null;
 let failures = 0;

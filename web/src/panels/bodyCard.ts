@@ -1,4 +1,4 @@
-// The card of the body that was chosen in the 3-D view: what it is, where, how fast, what touches it.
+// The card of the body that was chosen in the 3-D view: its name, pose, speed and contact force.
 import type { Store } from "../data/store";
 import { type BodyReading, readingOf } from "../scene/reading";
 import type { World } from "../scene/world";
@@ -38,7 +38,7 @@ export class BodyCard {
     this.root.replaceChildren(element("header", {}, [this.title, close]), this.list);
   }
 
-  /** Shows the body as it is now. */
+  /** Writes the newest values of the body. */
   readings(): void {
     const body = this.world.chosenBody;
     this.root.hidden = body === undefined;
@@ -51,7 +51,7 @@ export class BodyCard {
     this.values.forEach(({ row, output }) => setText(output, row.text(reading) ?? UNKNOWN));
   }
 
-  /** Rows that say something of this body; which they are does not change while it is chosen. */
+  /** Lays out the lines whose values this body has. The choice of lines stays as long as the body is chosen. */
   private lay(name: string, reading: BodyReading): void {
     this.shownName = name;
     setText(this.title, name);
@@ -60,7 +60,7 @@ export class BodyCard {
   }
 }
 
-/** Values of `width` characters each, so that nothing jumps. */
+/** Values of `width` characters each, so that the text does not jump when they change. */
 function numbers(values: number[], digits: number, width: number, unit: string): string {
   return values.every(Number.isFinite) ? `${values.map((value) => fixed(value, digits, width)).join("  ")} ${unit}` : UNKNOWN;
 }
@@ -69,7 +69,7 @@ function number(value: number, digits: number, unit: string): string {
   return Number.isFinite(value) ? `${fixed(value, digits, 0)} ${unit}` : UNKNOWN;
 }
 
-/** Of constant width for either sign, and without a minus before zero. */
+/** A number of constant width for either sign, and without a minus sign before zero. */
 function fixed(value: number, digits: number, width: number): string {
   const text = value.toFixed(digits);
   const plain = Number(text) === 0 ? (0).toFixed(digits) : text;

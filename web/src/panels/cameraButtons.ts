@@ -14,7 +14,7 @@ export interface CameraActions {
 
 const MODES = ["overview", "follow", "top"] as const;
 
-/** Connects the buttons; returns what they do. */
+/** Connects the buttons; returns their actions. */
 export function cameraButtons(world: () => World | null): CameraActions {
   const buttons = MODES.map((mode) => ({ mode, button: byId(`camera-${mode}`) }));
   const hand = byId("camera-hand");

@@ -1,6 +1,6 @@
-// Keys as one text, "Ctrl+Shift+Z": how they are registered, compared and shown.
+// Chords of keys as one text such as "Ctrl+Shift+Z". Commands are registered, compared and shown with this text.
 
-/** What a chord is read from; a KeyboardEvent is one. */
+/** The parts of a KeyboardEvent from which a chord is read. */
 export interface Pressed {
   key: string;
   code: string;
@@ -13,9 +13,9 @@ export interface Pressed {
 const CAPS: Record<string, string> = { ArrowLeft: "←", ArrowRight: "→", ArrowUp: "↑", ArrowDown: "↓" };
 
 /**
- * The chord of an event: modifiers in the order Ctrl, Alt, Shift, then the key. Cmd counts as Ctrl. A letter goes by
- * what is printed on it, and by its place where the layout has no Latin letters; a sign such as `?` carries no Shift,
- * because which signs need one differs from layout to layout.
+ * The chord of an event: modifiers in the order Ctrl, Alt, Shift, then the key. Cmd counts as Ctrl. A letter key has the name of
+ * its printed letter; in a layout without Latin letters its position gives the name. A sign such as `?` has no Shift, because
+ * layouts differ in which signs need Shift.
  */
 export function chordOf(pressed: Pressed): string {
   const letter = letterOf(pressed);
@@ -24,7 +24,7 @@ export function chordOf(pressed: Pressed): string {
   return [...(pressed.ctrlKey || pressed.metaKey ? ["Ctrl"] : []), ...(pressed.altKey ? ["Alt"] : []), ...(shifted ? ["Shift"] : []), key].join("+");
 }
 
-/** The caps of a chord as they stand on a keyboard: `Ctrl+ArrowRight` is Ctrl and →. */
+/** The captions of a chord's keys as on a keyboard: `Ctrl+ArrowRight` gives Ctrl and →. */
 export function capsOf(chord: string): string[] {
   return chord.split(/\+(?=.)/).map((cap) => CAPS[cap] ?? cap);
 }

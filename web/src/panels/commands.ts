@@ -1,30 +1,30 @@
-// The list of everything the console can be told to do. A module registers its commands once; the keyboard, the help
-// and the palette read them from here and so can never disagree.
+// The list of all commands of the console. A module registers its commands once. The keyboard, the help and the palette read the
+// same list, so they can never disagree.
 
 export interface Command {
-  /** Unique, `flight.pause`. */
+  /** Unique identifier such as `flight.pause`. */
   id: string;
   /** Heading in the help: "Flight", "Gains", "Charts", "Camera", "Page". */
   group: string;
-  /** What it does, in the imperative: "pause or continue". */
+  /** Description in the imperative: "pause or continue". */
   description: string;
-  /** Chords as in `chord.ts`: "Space", "Ctrl+ArrowRight", "?", "M". None: only the palette offers it. */
+  /** Chords as in `chord.ts`: "Space", "Ctrl+ArrowRight", "?", "M". Without a chord only the palette offers the command. */
   keys: string[];
   action(): void;
-  /** Applies now; a key whose command does not apply is free for another command, or for the browser. */
+  /** Whether the command applies now. If it does not, its keys are free for another command or for the browser. */
   when?: () => boolean;
-  /** Acts again and again while the key is held. */
+  /** Whether the command repeats while its key is held down. */
   repeats?: boolean;
-  /** Acts while a text or number is being typed as well; for chords with Ctrl that no field knows. */
+  /** Whether the command also acts while the operator types a text or a number; for chords with Ctrl that no field uses. */
   whileTyping?: boolean;
-  /** Listed in the help, not in the palette: makes sense only as a key. */
+  /** Whether the command makes sense only as a key; the help lists it, the palette does not. */
   keyOnly?: boolean;
 }
 
 export class Commands {
   private readonly all = new Map<string, Command>();
 
-  /** Adds commands; one of the same id is replaced. Gives back what takes them away again. */
+  /** Adds commands; a command with the same id is replaced. Returns a function that removes them again. */
   register(...commands: Command[]): () => void {
     commands.forEach((command) => this.all.set(command.id, command));
     return () => commands.forEach(({ id }) => this.all.delete(id));
@@ -34,7 +34,7 @@ export class Commands {
     return [...this.all.values()];
   }
 
-  /** The command `chord` stands for now: of several that apply, the one registered last. */
+  /** The command that `chord` starts now: of several commands that apply, the one that was registered last. */
   find(chord: string): Command | undefined {
     return this.list().findLast(({ keys, when }) => keys.includes(chord) && (when?.() ?? true));
   }

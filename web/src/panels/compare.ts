@@ -1,4 +1,4 @@
-// The compare tab: gains beside the preset or a stored set, the sets A and B, and the way into a scenario file.
+// The compare tab: the gains beside the preset or a stored set, the sets A and B, and the text for a scenario file.
 import { byId, element, setText } from "./dom";
 import { diff, type DiffRow, presetOf } from "./gainDiff";
 import type { GainPanel } from "./gains";
@@ -23,16 +23,16 @@ export class Compare {
   /** Stores the values in force. */
   keep(slot: Slot): void {
     this.sets.keep(slot, this.now());
-    notify("info", `set ${slot} holds the gains now in force`);
+    notify("info", `set ${slot} now has the gains in force`);
     this.show();
   }
 
-  /** From A to B or from B to A; from anything else to A. */
+  /** Switches from set A to B or from B to A; from any other gains to A. */
   toggle(): void {
     const slot = this.sets.next(this.gains.desk.expected());
     if (slot === null) {
       const stored = SLOTS.filter((name) => this.sets.get(name) !== null);
-      return notify("info", stored.length === 0 ? "no set is stored yet: keep the gains now in force as A or B" : `only set ${stored.join(" and ")} is stored, and it is in force`);
+      return notify("info", stored.length === 0 ? "no set is stored yet: first store the gains in force as A or B" : `only set ${stored.join(" and ")} is stored, and it is in force`);
     }
     this.gains.desk.apply(this.sets.get(slot) ?? [], `set ${slot}`);
     this.show();
@@ -61,7 +61,7 @@ export class Compare {
     byId("diff-rows").replaceChildren(...rows.map((row) => this.row(row)));
     const none = byId("diff-none");
     none.hidden = rows.length > 0;
-    setText(none, `Every gain is as in ${name === "preset" ? "the preset" : name}.`);
+    setText(none, `Every gain has its value of ${name === "preset" ? "the preset" : name}.`);
   }
 
   private row({ name, label, unit, reference, now, delta, changed }: DiffRow): HTMLElement {

@@ -1,6 +1,6 @@
 // Small helpers over the DOM.
 
-/** The element the page is built with; a page without it is a page of another version. */
+/** The element with this id. Throws if the page lacks it, which happens if page and script have different versions. */
 export function byId<T extends HTMLElement = HTMLElement>(id: string): T {
   const found = document.getElementById(id);
   if (found === null) throw new Error(`the page has no element #${id}`);
@@ -31,7 +31,7 @@ export interface Choice {
   label: string;
 }
 
-/** Buttons of which one is chosen; arrow keys move within the group. */
+/** Fills `root` with buttons, one of which is chosen; arrow keys move within the group. */
 export function radioGroup(root: HTMLElement, choices: Choice[], chosen: string, choose: (value: string) => void): void {
   const buttons = choices.map(({ value, label }) => element("button", { textContent: label, value, role: "radio" }));
   const mark = (selected: string): void => {

@@ -1,10 +1,10 @@
-// The log of the flight. It follows the newest line unless the operator scrolled back. A line shows its moment on the
-// charts when it is chosen, and is marked while the cursor of the charts is at it.
+// The event log of the flight. It follows the newest line unless the operator has scrolled back. Choosing a line shows its moment
+// on the charts. The line at the cursor of the charts is marked.
 import { eventKind } from "../data/eventKinds";
 import type { EventInfo } from "../protocol";
 import { byId, element } from "./dom";
 
-/** Changes of one gain this close together are one drag, s. */
+/** Changes of one gain that follow each other within this time are one drag, s. */
 const DRAG_WITHIN_S = 1;
 const KEPT_LINES = 500;
 const AT_THE_END_PX = 24;
@@ -19,10 +19,10 @@ export class EventLog {
   private lines: Line[] = [];
   private at: HTMLLIElement | null = null;
   private firstHeld = -1;
-  /** Until the operator scrolls back; a change of the list's size is not the operator. */
+  /** Whether the list follows the newest line. It stops when the operator scrolls back, but not when the list changes its size. */
   private following = true;
 
-  /** `choose`: show this moment on the charts. */
+  /** `choose` shows the moment of an event on the charts. */
   constructor(private readonly choose: (event: EventInfo) => void) {
     this.list.addEventListener("scroll", () => (this.following = this.atTheEnd()));
     this.list.addEventListener("keydown", (event) => this.key(event));
@@ -53,7 +53,7 @@ export class EventLog {
     this.follow();
   }
 
-  /** Marks the last event at or before the `tick` of the cursor; null takes the mark away. */
+  /** Marks the last event at or before the `tick` of the cursor; null removes the mark. */
   mark(tick: number | null): void {
     const item = (tick === null ? undefined : this.lines.filter(({ event }) => event.tick <= tick).at(-1)?.item) ?? null;
     if (item === this.at) return;
@@ -65,7 +65,7 @@ export class EventLog {
     item.scrollIntoView({ block: "nearest" });
   }
 
-  /** Says of events before the oldest tick the charts hold that they left the history. */
+  /** Marks the events before the oldest tick of the charts' history as gone. */
   markGone(firstHeld: number): void {
     if (firstHeld === this.firstHeld || Number.isNaN(firstHeld)) return;
     this.firstHeld = firstHeld;
@@ -97,7 +97,7 @@ export class EventLog {
   }
 }
 
-/** A slider being dragged gives one line, not one per position. */
+/** Whether `next` belongs to the same drag of a slider as `last`; a drag gives one line, not one per position. */
 export function continues(last: EventInfo, next: EventInfo): boolean {
   const stem = (text: string): string => text.replace(/\s[-−]?\d.*$/s, "");
   return last.kind === "gain" && next.kind === "gain" && next.t_s - last.t_s < DRAG_WITHIN_S && stem(last.text) === stem(next.text);

@@ -1,11 +1,11 @@
-// How often the page is drawn.
+// Counts how often the page is drawn.
 
 const WINDOW_MS = 1000;
 
 export class FrameRate {
   private drawn: number[] = [];
 
-  /** The page is drawn now. */
+  /** Notes that the page is drawn at `nowMs`. */
   frame(nowMs: number): void {
     this.drawn.push(nowMs);
     while ((this.drawn[0] ?? nowMs) < nowMs - WINDOW_MS) this.drawn.shift();

@@ -1,12 +1,13 @@
-// How well a few typed letters fit a text: all of them in order, better at the beginnings of words and in a row.
+// Scores how well a few typed letters fit a text. The text must contain all letters in order. Letters at the beginnings of words
+// and letters that follow each other score higher.
 
 const AT_START = 8;
 const AT_WORD = 6;
 const IN_A_ROW = 4;
 const PLAIN = 1;
-/** A gap costs little, so that a word further along still wins over scattered letters. */
+/** Cost of a gap. It is small, so that letters in one word far along the text still beat scattered letters. */
 const PER_GAP = 0.1;
-/** A fit worse than this share of the best is letters strewn over a long text. */
+/** Items that score less than this share of the best score are dropped: their letters are scattered over a long text. */
 const WORTH_SHOWING = 0.5;
 
 /** Score of `query` in `text`, higher is better; null if it does not fit. Case and spaces in the query do not count. */
@@ -19,7 +20,7 @@ export function fuzzyScore(query: string, text: string): number | null {
   return (scores ?? []).reduce<number | null>(larger, null);
 }
 
-/** For every place of `letter`: the best score with it there, after letters that ended at `previous`. */
+/** The best score for each position of `letter` in the text; `previous` has the best scores of the letters before it. */
 function following(letters: string[], letter: string, previous: (number | null)[] | null): (number | null)[] {
   let earlier: number | null = null;
   return letters.map((candidate, i) => {
@@ -32,7 +33,7 @@ function following(letters: string[], letter: string, previous: (number | null)[
   });
 }
 
-/** Items that fit about as well as the best, best first; equal ones keep their order. */
+/** Items that fit about as well as the best one, best first; items with equal scores keep their order. */
 export function rank<T>(query: string, items: T[], textOf: (item: T) => string): T[] {
   const scored = items.flatMap((item) => {
     const score = fuzzyScore(query, textOf(item));

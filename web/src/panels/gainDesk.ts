@@ -1,20 +1,20 @@
-// Between the panel and the server: what was asked for, by whom an echo was caused, and what becomes one step of the
-// history. No element of the page is touched here.
+// Stands between the panel and the server: it keeps the requests of this page, decides whether an echo answers one of them, and
+// joins changes to steps of the history. It touches no element of the page.
 import type { ClientMessage, GainEcho, GainList, Hello, PresetName } from "../protocol";
 import { GainModel, type Requests, same, type Setting, type Snapshot } from "./gainModel";
 import { formatGain } from "./scale";
 
-/** An echo later than this after the request is somebody else's, ms. */
+/** An echo that comes later than this after the request belongs to another client, ms. */
 const ANSWER_WITHIN_MS = 2000;
 
 export interface LastChange {
   text: string;
   tick: number;
-  /** This page asked for it. */
+  /** Whether this page asked for the change. */
   own: boolean;
 }
 
-/** Several gains asked for at once, to become one step of the history. */
+/** Several gains that were requested together and become one step of the history. */
 interface Batch {
   before: Snapshot;
   waiting: Map<string, number>;
@@ -28,7 +28,7 @@ export class GainDesk {
   private sent: { name: string; value: number; at: number }[] = [];
   private batch: Batch | null = null;
   private beforePreset: Snapshot | null = null;
-  /** A preset was asked for by undo or redo: its echoes are this page's, its step of the history exists. */
+  /** Until this time echoes belong to a preset that undo or redo has requested, ms. Its step of the history exists already. */
   private presetAgainUntil = -Infinity;
 
   constructor(
@@ -44,19 +44,19 @@ export class GainDesk {
     this.beforePreset = null;
   }
 
-  /** Asks for one value; the step of the history is the caller's. */
+  /** Requests one value; the caller adds the step to the history. */
   request(name: string, value: number): void {
     const now = this.now();
     this.sent = [...this.sent.filter(({ at }) => now - at < ANSWER_WITHIN_MS), { name, value, at: now }];
     this.send({ type: "set_gain", name, value });
   }
 
-  /** The values in force, or on their way: what a click that follows at once has to start from. */
+  /** The values in force, with requested values in place of those not yet answered. A further request starts from these. */
   expected(): Setting[] {
     return this.model.snapshot().settings.map(({ name, value }) => ({ name, value: this.batch?.waiting.get(name) ?? value }));
   }
 
-  /** Asks for several values as one step of the history. */
+  /** Requests several values as one step of the history. */
   apply(settings: Setting[], title?: string): void {
     const before = { ...this.model.snapshot(), settings: this.expected() };
     this.closeBatch();
@@ -89,7 +89,7 @@ export class GainDesk {
     this.model.goTo(count).forEach((requests) => this.ask(requests));
   }
 
-  /** A gain took effect; says whether this page asked for it. */
+  /** Takes the echo of a gain that took effect; returns whether this page requested it. */
   echo({ name, value, preset, tick }: GainEcho): boolean {
     const own = this.beforePreset !== null || this.now() < this.presetAgainUntil || this.asked(name, value);
     this.model.echo(name, value, preset, tick);
@@ -101,7 +101,7 @@ export class GainDesk {
     return own;
   }
 
-  /** A preset is in force. */
+  /** Takes the gains of a preset that took effect. */
   replace({ gains, preset, tick }: GainList): void {
     const own = this.beforePreset !== null || this.now() < this.presetAgainUntil;
     this.presetAgainUntil = -Infinity;
@@ -111,19 +111,19 @@ export class GainDesk {
     this.beforePreset = null;
   }
 
-  /** The echoes of a preset that this page asked for are coming; its list follows them. */
+  /** Whether this page requested a preset and waits for its echoes and its list of gains. */
   get presetPending(): boolean {
     return this.beforePreset !== null;
   }
 
-  /** Something was refused: what came through of it stands. */
+  /** Notes that the server refused a request. The values of the same batch that took effect stay. */
   refused(): void {
     this.beforePreset = null;
     this.batch?.waiting.clear();
     this.closeBatch();
   }
 
-  /** Called now and then: a batch whose answers stay away is closed with what came. */
+  /** Closes a batch whose answers are overdue, with the answers that came; called regularly. */
   overdue(): void {
     if (this.batch === null || this.now() <= this.batch.until) return;
     this.batch.waiting.clear();
@@ -143,7 +143,7 @@ export class GainDesk {
     return this.sent.some((request) => request.name === name && request.at >= since && same(request.value, value));
   }
 
-  /** The step holds what came and what is still on its way. */
+  /** Adds the batch to the history as one step, with the values that took effect and those still to be answered. */
   private closeBatch(tick?: number): void {
     if (this.batch === null) return;
     const { before, title } = this.batch;

@@ -1,4 +1,4 @@
-// Gains beside a reference: the preset, or a stored set.
+// Compares the gains with a reference: the preset, or a stored set.
 import type { GainInfo } from "../protocol";
 import { type Setting, same } from "./gainModel";
 
@@ -8,12 +8,12 @@ export interface DiffRow {
   unit: string;
   reference: number;
   now: number;
-  /** Now minus reference. */
+  /** Value in force minus reference. */
   delta: number;
   changed: boolean;
 }
 
-/** One row per gain the reference knows, in the order of `gains`. */
+/** One line per gain that the reference contains, in the order of `gains`. */
 export function diff(gains: GainInfo[], reference: Setting[], onlyChanged: boolean): DiffRow[] {
   const known = new Map(reference.map(({ name, value }) => [name, value]));
   const rows = gains.flatMap(({ name, label, unit, value }) => {

@@ -8,7 +8,7 @@ const gain = (name: string, value: number): GainInfo => ({
 
 let model: GainModel;
 
-/** A server that does what it is asked. */
+/** Answers as a server that accepts every request. */
 function obey({ settings }: Requests): void {
   settings.forEach(({ name, value }) => model.echo(name, value, "custom"));
 }

@@ -1,5 +1,5 @@
-// Gains as the server says they are, and the operator's way back. Nothing here changes a value by itself: a change is a
-// request, and only the server's echo makes it true.
+// The gains in force at the server, and the operator's undo history. The model never changes a value by itself: a change is a
+// request, and only the server's echo changes the value.
 import type { GainInfo, PresetName } from "../protocol";
 import { formatGain } from "./scale";
 
@@ -13,7 +13,7 @@ export interface Setting {
   value: number;
 }
 
-/** What an action asks of the server: single gains, or a preset where that is the same thing. */
+/** Requests to the server for one action: single gains, or a preset if it has the same effect. */
 export interface Requests {
   settings: Setting[];
   preset: PresetName | null;
@@ -25,13 +25,13 @@ export interface Change {
   to: number;
 }
 
-/** What is remembered of an action beside its values. */
+/** Facts about an action other than its values. */
 export interface About {
-  /** Preset in force before and after; "custom" can only be reached gain by gain. */
+  /** Preset in force before and after. "custom" is no preset: its gains are requested one by one. */
   presets?: { from: PresetName; to: PresetName };
-  /** For the list, where the changes do not speak for themselves. */
+  /** Title in the list of the history, if the changes alone do not explain the action. */
   title?: string;
-  /** First tick flown with it. */
+  /** First tick flown with the new values. */
   tick?: number;
 }
 
@@ -53,7 +53,7 @@ const ONE_ACTION_MS = 800;
 
 export class GainModel {
   preset: PresetName = "custom";
-  /** Preset chosen last, which the preset values belong to; unknown where the page came later. */
+  /** Preset chosen last, to which the preset values belong; null if it was chosen before this page connected. */
   base: PresetName | null = null;
   private readonly gains = new Map<string, GainInfo>();
   private readonly ticks = new Map<string, number>();
@@ -68,7 +68,7 @@ export class GainModel {
     gains.forEach((gain) => this.gains.set(gain.name, { ...gain }));
   }
 
-  /** Tick numbers of the flight before mean nothing in this one. */
+  /** Forgets the tick numbers of the last flight, which mean nothing in a new one. */
   forgetTicks(): void {
     this.ticks.clear();
     [...this.done, ...this.undone].forEach((action) => delete action.tick);
@@ -87,7 +87,7 @@ export class GainModel {
     return this.ticks.get(name);
   }
 
-  /** The server's word on one gain. */
+  /** Takes the server's echo of one gain. */
   echo(name: string, value: number, preset: PresetName, tick?: number): void {
     this.preset = preset;
     const gain = this.gains.get(name);
@@ -96,7 +96,7 @@ export class GainModel {
     if (tick !== undefined) this.ticks.set(name, tick);
   }
 
-  /** Differs from the preset by more than the rounding of a decimal number. */
+  /** Whether the gain differs from the preset by more than the rounding of a decimal number. */
   modified(name: string): boolean {
     const gain = this.gains.get(name);
     return gain !== undefined && !same(gain.value, gain.preset_value);
@@ -131,7 +131,7 @@ export class GainModel {
     return this.undone.length > 0;
   }
 
-  /** What takes the newest action back. */
+  /** Requests that undo the newest action. */
   undo(): Requests {
     const action = this.done.pop();
     if (action === undefined) return NOTHING;
@@ -140,7 +140,7 @@ export class GainModel {
     return requests(action.changes.map(({ name, from }) => ({ name, value: from })), action.presets?.from);
   }
 
-  /** What does again what was undone last. */
+  /** Requests that redo the action that was undone last. */
   redo(): Requests {
     const action = this.undone.pop();
     if (action === undefined) return NOTHING;
@@ -148,13 +148,13 @@ export class GainModel {
     return requests(action.changes.map(({ name, to }) => ({ name, value: to })), action.presets?.to);
   }
 
-  /** Every action still known, oldest first; those taken back are at the end. */
+  /** All actions of the history, oldest first; undone actions are at the end. */
   history(): Entry[] {
     const entry = (action: Action, undone: boolean): Entry => ({ text: this.describe(action), tick: action.tick ?? null, undone });
     return [...this.done.map((action) => entry(action, false)), ...this.undone.map((action) => entry(action, true)).reverse()];
   }
 
-  /** What leads to the state after the first `count` actions of the history, in the order to be asked for. */
+  /** Requests that lead to the state after the first `count` actions of the history, in the order in which to send them. */
   goTo(count: number): Requests[] {
     const asked: Requests[] = [];
     while (this.done.length > count && this.canUndo) asked.push(this.undo());
@@ -162,7 +162,7 @@ export class GainModel {
     return asked;
   }
 
-  /** Values now, to be handed to `commitSince` when a preset is in force. */
+  /** The values in force; the caller passes them to `commitSince` when a preset has taken effect. */
   snapshot(): Snapshot {
     return { settings: this.list().map(({ name, value }) => ({ name, value })), preset: this.preset };
   }
@@ -191,7 +191,7 @@ function requests(settings: Setting[], preset: PresetName | undefined): Requests
   return preset === undefined || preset === "custom" ? { settings, preset: null } : { settings: [], preset };
 }
 
-/** Equal but for the rounding of a decimal number. */
+/** Whether two values are equal apart from the rounding of a decimal number. */
 export function same(a: number, b: number): boolean {
   return Math.abs(a - b) <= 1e-9 * Math.max(1, Math.abs(a), Math.abs(b));
 }

@@ -1,24 +1,24 @@
-// One gain: slider with a mark at the preset's value, number, unit, tick of effect, and the way back to the preset.
+// The line of one gain: slider with a mark at the preset's value, number, unit, tick of effect, and a button back to the preset.
 import type { GainInfo } from "../protocol";
 import { element, setText } from "./dom";
 import { formatGain, positionOf, sliderSteps, valueAt } from "./scale";
 
-/** While dragging, at most this often to the server, ms. */
+/** The least time between two requests to the server during a drag, ms. */
 const SEND_EVERY_MS = 80;
-/** Without an answer for this long the server's value is shown again, ms. */
+/** Without an answer for this long the line shows the server's value again, ms. */
 const ANSWER_WITHIN_MS = 1500;
-/** A change that came from elsewhere is marked for this long, ms. */
+/** A change by another client is marked for this long, ms. */
 const MARKED_MS = 2500;
 
-/** Relative difference below which two values are one after a trip through JSON. */
+/** Relative difference below which two values count as equal after their way through JSON. */
 const SAME = 1e-9;
 
 export interface GainRowHandlers {
-  /** Ask the server for `value` now; not yet a step of the history. */
+  /** Requests `value` from the server without a step of the history. */
   send(name: string, value: number): void;
-  /** What the operator asked for is in force; `from` was before. */
+  /** Adds a step to the history when the requested value has taken effect; `from` is the value before. */
   commit(name: string, from: number, to: number): void;
-  /** The operator looks at this gain. */
+  /** Tells that the operator looks at this gain. */
   point(name: string): void;
 }
 
@@ -35,7 +35,7 @@ export class GainRow {
   private unanswered = 0;
   private marked = 0;
   private readonly steps: number;
-  /** Asked for and not yet answered; becomes a step of the history when the server agrees. */
+  /** Requested change without an answer; it becomes a step of the history when it takes effect. */
   private asked: { from: number; to: number } | null = null;
 
   constructor(
@@ -64,7 +64,7 @@ export class GainRow {
     this.show(true);
   }
 
-  /** Shows the value in force, unless the operator has hold of it. */
+  /** Shows the value in force, unless the operator drags the slider or types a number. */
   show(force = false): void {
     const gain = this.gain();
     this.revert.title = `Back to ${formatGain(gain.preset_value)}`;
@@ -77,10 +77,10 @@ export class GainRow {
     if (this.field !== null && (force || document.activeElement !== this.field)) this.field.value = formatGain(gain.value);
   }
 
-  /** The server has put a value in force. */
+  /** Takes note that a value of this gain took effect. */
   answered(): void {
     const { name, value } = this.gain();
-    // An echo of an earlier position of the drag does not answer the last one.
+    // The echo of an earlier position of the drag does not answer the request of the last position.
     if (this.asked !== null && Math.abs(value - this.asked.to) > SAME * Math.abs(value)) return;
     this.settle();
     if (this.asked !== null) this.handlers.commit(name, this.asked.from, value);
@@ -88,7 +88,7 @@ export class GainRow {
     this.show(this.before === null);
   }
 
-  /** The server has refused: its value stands, and there is nothing to undo. */
+  /** Takes note that the server refused the request. The line shows the server's value, and there is no step to undo. */
   refused(): void {
     if (this.unanswered === 0) return;
     this.settle();
@@ -103,7 +103,7 @@ export class GainRow {
     this.tick.title = tick === undefined ? "" : `in force from tick ${tick}`;
   }
 
-  /** Somebody else changed it: the eye is led here once. */
+  /** Marks the line for a moment after another client has changed the gain. */
   changedElsewhere(): void {
     this.root.classList.add("elsewhere");
     window.clearTimeout(this.marked);
@@ -139,12 +139,12 @@ export class GainRow {
     this.track.style.setProperty("--at", String(Number(this.slider.value) / this.steps));
   }
 
-  /** Marks the field while its text is not yet a request, so that Ctrl+Z belongs to the text. */
+  /** Marks the field while its text is not yet a request, so that Ctrl+Z undoes typing and not a gain. */
   private typing(yes: boolean): void {
     if (this.field !== null) this.field.dataset["typing"] = String(yes);
   }
 
-  /** Any number is sent as typed: the server refuses what it cannot use, and says why. */
+  /** Requests the typed number as it is; the server refuses an unusable number and says why. */
   private typed(): void {
     const value = this.field?.valueAsNumber ?? NaN;
     this.typing(false);
@@ -180,7 +180,7 @@ export class GainRow {
     const from = this.before ?? this.gain().value;
     this.before = null;
     if (value === this.gain().value) {
-      // The last position of the drag is in force already.
+      // The last position of the drag has taken effect already.
       this.handlers.commit(this.gain().name, from, value);
       return this.show(true);
     }

@@ -24,20 +24,20 @@ export class GainSets {
     }
   }
 
-  /** `now` agrees with the slot in every gain that the slot knows. */
+  /** Whether `now` equals the set in every gain that the set contains. */
   inForce(slot: Slot, now: Setting[]): boolean {
     const set = this.get(slot);
     return set !== null && differences(set, now).length === 0;
   }
 
-  /** Where the toggle leads: the stored set that is not in force, A first; null with nothing to go to. */
+  /** The set to which the toggle switches: the stored set that is not in force, A first; null if there is none. */
   next(now: Setting[]): Slot | null {
     const stored = SLOTS.filter((slot) => this.get(slot) !== null);
     return stored.find((slot) => !this.inForce(slot, now)) ?? null;
   }
 }
 
-/** What has to be set so that `now` becomes `wanted`. */
+/** The settings that turn `now` into `wanted`. */
 export function differences(wanted: Setting[], now: Setting[]): Setting[] {
   const values = new Map(now.map(({ name, value }) => [name, value]));
   return wanted.filter(({ name, value }) => {

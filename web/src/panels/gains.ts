@@ -1,4 +1,4 @@
-// The gains tab: presets, history buttons, the last change, a filter, and groups of rows.
+// The gains tab: presets, buttons of the history, the last change, a filter, and groups of gains.
 import type { ClientMessage, GainEcho, GainInfo, GainList, Hello, PresetName } from "../protocol";
 import { byId, element, setText } from "./dom";
 import { GainDesk } from "./gainDesk";
@@ -21,7 +21,7 @@ export class GainPanel {
   private readonly collapsed = remembered<string[]>("twin.collapsed", []);
   private readonly presetButtons: HTMLButtonElement[];
 
-  /** `changed` is called whenever a value or the history may be another one. */
+  /** `changed` is called whenever a value or the history may have changed. */
   constructor(
     send: (message: ClientMessage) => void,
     private readonly changed: () => void,
@@ -54,7 +54,7 @@ export class GainPanel {
     this.desk.rebuild(hello);
     this.rows = new Map();
     const groups = [...new Set(hello.gains.map((gain) => gain.group))];
-    byId("gains").replaceChildren(...groups.map((group) => this.group(group)), element("p", { className: "none muted", textContent: "No gain has that in its name or help.", hidden: true }));
+    byId("gains").replaceChildren(...groups.map((group) => this.group(group)), element("p", { className: "none muted", textContent: "No gain has this text in its name or help.", hidden: true }));
     this.applyFilter();
     this.refresh();
   }
@@ -62,19 +62,19 @@ export class GainPanel {
   echo(echo: GainEcho): void {
     const own = this.desk.echo(echo);
     const row = this.rows.get(echo.name);
-    // A preset's echoes are one action, and its list follows them.
+    // The echoes of a preset are one action, which the list of gains after them completes.
     if (!this.desk.presetPending) row?.answered();
     if (!own) row?.changedElsewhere();
     this.refresh();
   }
 
-  /** A preset is in force. */
+  /** Takes the gains of a preset that took effect. */
   replace(list: GainList): void {
     this.desk.replace(list);
     this.refresh();
   }
 
-  /** A request was refused: what is shown is the server's value again. */
+  /** Shows the server's values again after a refused request. */
   refused(): void {
     this.desk.refused();
     this.rows.forEach((row) => row.refused());
@@ -91,13 +91,13 @@ export class GainPanel {
     this.refresh();
   }
 
-  /** Every gain back to the preset chosen last, as one step of the history. */
+  /** Sets every gain back to the preset chosen last, as one step of the history. */
   resetAll(): void {
     this.desk.apply(this.model.list().map(({ name, preset_value }) => ({ name, value: preset_value })), "all back to the preset");
     this.refresh();
   }
 
-  /** Brings the slider of `name` in sight and under the keyboard. */
+  /** Scrolls to the slider of `name` and gives it the focus. */
   focus(name: string): void {
     this.filter.value = "";
     this.applyFilter();
@@ -111,7 +111,7 @@ export class GainPanel {
     return Object.fromEntries(this.model.list().map(({ name, value }) => [name, value]));
   }
 
-  /** Shows what is in force. */
+  /** Shows the values in force. */
   refresh(): void {
     this.rows.forEach((row, name) => {
       row.mark(this.model.modified(name), this.model.tickOf(name));
@@ -142,7 +142,7 @@ export class GainPanel {
     const details = element("details", {}, [element("summary", { textContent: group }), ...rows]);
     details.dataset["group"] = group;
     details.addEventListener("toggle", () => {
-      // What the filter opens is not the operator's wish.
+      // The filter opens groups by itself; only groups that the operator opens are remembered.
       if (this.filter.value !== "") return;
       const others = this.collapsed.get().filter((name) => name !== group);
       this.collapsed.set(details.open ? others : [...others, group]);

@@ -1,9 +1,9 @@
-// What the close-up of the hand says in words.
+// The text of the hand's close-up.
 import type { Store } from "../data/store";
 
 const MM_PER_M = 1000;
 
-/** Opening and grip of the fingers as far as they are known. */
+/** Opening and grip force of the fingers, if they are known. */
 export function handReading(store: Pick<Store, "latest">): string {
   const opening = store.latest("opening_m");
   const grip = store.latest("grip_force_n");

@@ -1,4 +1,4 @@
-// The history tab: every change this page made, newest first; choosing one goes to the gains as they were after it.
+// The history tab lists every change that this page made, newest first. Choosing a change restores the gains after it.
 import { byId, element } from "./dom";
 import type { GainDesk } from "./gainDesk";
 
@@ -22,7 +22,7 @@ export class HistoryList {
   private item(text: string, tick: number | null, count: number, done: number): HTMLElement {
     const button = element("button", { ariaPressed: null }, [element("span", { textContent: text }), element("span", { className: "tick", textContent: tick === null ? "" : `@${tick}` })]);
     const here = count === done;
-    button.title = here ? "The gains now in force" : count > done ? "Taken back; choose to do it again" : "Go back to the gains after this change";
+    button.title = here ? "The gains now in force" : count > done ? "Undone; choose it to redo the changes up to here" : "Go back to the gains after this change";
     if (here) button.ariaCurrent = "step";
     button.classList.toggle("undone", count > done);
     button.addEventListener("click", () => {

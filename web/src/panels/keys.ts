@@ -1,12 +1,12 @@
-// The keyboard and the help: both read the list of commands. A key never acts while a text is being typed, nor where
-// the control that has the focus uses it itself.
+// The keyboard and the help, which both read the list of commands. A key starts no command while the operator types a text, or
+// while the control with the focus uses the key itself.
 import { capsOf, chordOf } from "./chord";
 import type { Command, Commands } from "./commands";
 import { byId, element } from "./dom";
 
 const OWN_ARROWS = ["ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown", "Home", "End", "PageUp", "PageDown"];
 
-/** Headings an operator needs first; the others follow as they come. */
+/** The first headings of the help; the others follow in the order of registration. */
 const FIRST = ["Flight", "Gains", "World", "Charts"];
 
 /** Keys of controls, for the help; the controls themselves listen to them. */
@@ -34,14 +34,14 @@ export function startKeys(commands: Commands): void {
     if (event.repeat && command.repeats !== true) return;
     command.action();
   });
-  // A control that was clicked gives the focus back, so that Space goes on meaning pause.
+  // A clicked control loses the focus again, so that Space still means pause.
   document.addEventListener("click", (event) => {
     const target = event.target;
     if (event.detail > 0 && target instanceof Element) target.closest("button")?.blur();
   });
 }
 
-/** The focused control needs this key itself. */
+/** Whether the control with the focus needs this key itself. */
 function takenByFocus(target: EventTarget | null, chord: string, command: Command): boolean {
   if (!(target instanceof HTMLElement)) return false;
   const key = chord.split("+").at(-1) ?? chord;
@@ -59,7 +59,7 @@ function isTextField(target: HTMLElement): boolean {
   return target.isContentEditable || target.matches("textarea, input:not([type=range], [type=checkbox], [type=radio], [type=button])");
 }
 
-/** The browser itself can undo what was typed: any text, but a number only until it is sent. */
+/** Whether the browser itself can undo the typing in a field: in a text field always, in a number field until it is sent. */
 function holdsUnsentText(field: HTMLElement): boolean {
   return !field.matches("input[type=number]") || field.dataset["typing"] === "true";
 }

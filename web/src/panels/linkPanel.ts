@@ -1,4 +1,4 @@
-// Health of the link in numbers, under the age in the top bar.
+// The panel with the health of the connection in numbers, below the age in the top bar.
 import type { LinkHealth } from "../link/health";
 import { byId, element } from "./dom";
 import { hang, isOpen } from "./popover";
@@ -38,12 +38,12 @@ export function rowsOf({ health, now, flying, clients, pageFps }: LinkReadings):
   const age = health.ageMs(now, flying);
   const rate = health.bytesPerSecond(now);
   return [
-    ["connection", health.connected ? "open" : "closed", "The socket to the server"],
-    ["age of the data", Number.isFinite(age) ? `${age.toFixed(0)} ms` : "–", "Since the newest telemetry came; since any word of the server while nothing flies"],
-    ["round trip", Number.isFinite(health.roundTripMs) ? `${health.roundTripMs.toFixed(1)} ms` : "–", "From a ping to its answer, once a second"],
-    ["telemetry", `${health.framesPerSecond(now)} frames/s`, "Frames that came in the last second; one may hold several ticks"],
-    ["data", rate < 1000 ? `${rate.toFixed(0)} B/s` : `${(rate / 1000).toFixed(1)} kB/s`, "Bytes that came in the last second"],
-    ["lost ticks", `${health.gapTicks} in ${health.gapCount} gaps`, "Ticks the server left out for this page because it was too slow, since the connection opened"],
+    ["connection", health.connected ? "open" : "closed", "State of the socket to the server"],
+    ["age of the data", Number.isFinite(age) ? `${age.toFixed(0)} ms` : "–", "Time since the newest telemetry arrived; while no flight runs, since the newest message"],
+    ["round trip", Number.isFinite(health.roundTripMs) ? `${health.roundTripMs.toFixed(1)} ms` : "–", "Time from a ping to its answer, measured once a second"],
+    ["telemetry", `${health.framesPerSecond(now)} frames/s`, "Frames received in the last second; a frame may have several ticks"],
+    ["data", rate < 1000 ? `${rate.toFixed(0)} B/s` : `${(rate / 1000).toFixed(1)} kB/s`, "Bytes received in the last second"],
+    ["lost ticks", `${health.gapTicks} in ${health.gapCount} gaps`, "Ticks that the server dropped because this page was too slow, since the connection opened"],
     ["page", `${pageFps.toFixed(0)} frames/s`, "How often this page is drawn"],
     ["clients", clients === undefined || !health.connected ? "–" : String(clients), "Pages and programs connected to the server"],
     ["reconnects", String(health.reconnects), "Times this page had to connect again"],

@@ -1,5 +1,5 @@
-// The bar of a mirrored recording: what it is, where it stands, and the way to any other moment of it. A simulated flight
-// has no such bar. Pause, step and speed are those of the top bar.
+// The bar of a mirrored recording: its description, the time of playback, and the slider and keys that seek. A simulated flight
+// has no such bar. Pause, step and speed stand in the top bar.
 import type { Store } from "../data/store";
 import type { ClientMessage, MirrorInfo, StateInfo, TwinInfo } from "../protocol";
 import { commands } from "./commands";
@@ -7,13 +7,13 @@ import { byId, element, setText } from "./dom";
 import { hang } from "./popover";
 import { Throttle } from "./throttle";
 
-/** A slider that is dragged seeks at most so often: each time the shadow flies the ten seconds before anew. */
+/** The least time between two seeks of a dragged slider, ms. At each seek the shadow flies the ten seconds before the target. */
 const SEEK_EVERY_MS = 150;
-/** A time after the end of any stream, s: the server goes to the newest there is. */
+/** A time after the end of any stream, s. The server seeks the newest tick instead. */
 const NEWEST_S = 1e6;
-/** What the server calls the phase while nothing comes from a stream. */
+/** The server's name for the phase in which a stream sends nothing. */
 const STREAM_LOST = "stream lost";
-/** What an arrow key goes, s. */
+/** Time by which an arrow key seeks, s. */
 const ARROW_S = 0.1;
 
 /** A stretch of the recording, s. */
@@ -28,12 +28,12 @@ export class MirrorBar {
   private readonly throttle = new Throttle(SEEK_EVERY_MS, (tS) => this.send({ type: "seek", t_s: tS }));
   private readonly loopButton = byId("mirror-loop");
   private dragging = false;
-  /** What is shown of the twin. */
+  /** The result of the twin that is shown. */
   private shown: TwinInfo | null = null;
-  /** What is played again and again; null if nothing is. */
+  /** The stretch that is played in a loop; null without a loop. */
   private loop: Stretch | null = null;
 
-  /** `marked` is the stretch that is marked on the charts, if any. */
+  /** `marked` returns the stretch that is marked on the charts; null if there is none. */
   constructor(
     private readonly store: Store,
     private readonly send: (request: ClientMessage) => void,
@@ -54,15 +54,15 @@ export class MirrorBar {
     hang(byId("mirror-panel"), byId("mirror-about"));
     const when = (): boolean => this.info !== null;
     commands.register(
-      { id: "mirror.back", group: "Recording", description: "100 ms back", keys: ["ArrowLeft"], action: () => this.by(-ARROW_S), when: () => when() && !this.flying, repeats: true },
-      { id: "mirror.tickBack", group: "Recording", description: "one tick back", keys: ["Ctrl+ArrowLeft"], action: () => this.by(-this.store.tickS), when, repeats: true },
-      { id: "mirror.loop", group: "Recording", description: "play the stretch from I to O, else all of it, again and again", keys: ["Shift+O"], action: () => this.toggleLoop(), when },
-      { id: "mirror.start", group: "Recording", description: "to its start", keys: ["Home"], action: () => this.seek(0), when },
-      { id: "mirror.end", group: "Recording", description: "to its end", keys: ["End"], action: () => this.seek(this.endS), when },
+      { id: "mirror.back", group: "Recording", description: "go back by 100 ms", keys: ["ArrowLeft"], action: () => this.by(-ARROW_S), when: () => when() && !this.flying, repeats: true },
+      { id: "mirror.tickBack", group: "Recording", description: "go back by one tick", keys: ["Ctrl+ArrowLeft"], action: () => this.by(-this.store.tickS), when, repeats: true },
+      { id: "mirror.loop", group: "Recording", description: "loop over the range from I to O, or over the whole recording", keys: ["Shift+O"], action: () => this.toggleLoop(), when },
+      { id: "mirror.start", group: "Recording", description: "go to the start of the recording", keys: ["Home"], action: () => this.seek(0), when },
+      { id: "mirror.end", group: "Recording", description: "go to the end of the recording", keys: ["End"], action: () => this.seek(this.endS), when },
     );
   }
 
-  /** A new `hello` came. */
+  /** Takes a new `hello`. */
   rebuild(): void {
     const { info } = this;
     this.root.hidden = info === null;
@@ -78,13 +78,13 @@ export class MirrorBar {
     byId("mirror-facts").replaceChildren(...facts(info).flatMap(([name, text]) => [element("dt", { textContent: name }), element("dd", { textContent: text })]));
   }
 
-  /** Shows where the recording stands; called a few times a second. */
+  /** Shows the time of playback, and restarts a loop at its end; called a few times a second. */
   readings(): void {
     this.beside();
     if (this.info === null || this.dragging) return;
     const tick = this.store.lastTick >= 0 ? this.store.lastTick : (this.store.state?.tick ?? 0);
     const tS = tick * this.store.tickS;
-    // A stream has no end: the slider reaches from its start to the newest that was seen.
+    // A stream has no end, so the slider reaches from its start to the newest tick.
     if (this.info.live && tS > Number(this.slider.max)) this.slider.max = String(tS);
     this.slider.value = String(tS);
     this.label(tS);
@@ -93,16 +93,16 @@ export class MirrorBar {
     else if (this.atEnd(tS)) this.playFrom(this.loop.from);
   }
 
-  /** Whether the twin that started from the flight half a second ago is where the flight is. */
+  /** Shows how far the twin, which started from the state of the flight half a second ago, has departed from the flight. */
   private beside(): void {
     const twin = this.store.state?.twin ?? null;
     if (this.info === null || twin === null || twin === this.shown) return;
     this.shown = twin;
     const badge = byId("mirror-twin");
     badge.dataset["light"] = twin.light ?? "unknown";
-    badge.title = `${twin.says}; ${twin.horizon_s.toFixed(1)} s after its start from the flight. Axis by axis under About…`;
+    badge.title = `${twin.says}; ${twin.horizon_s.toFixed(1)} s after it started from the state of the flight. The errors of each axis stand under About…`;
     setText(badge, verdict(twin));
-    const head = ["axis", "twin", "with r before", "coasting"].map((textContent) => element("th", { textContent }));
+    const head = ["axis", "twin", "twin with residual", "coasting"].map((textContent) => element("th", { textContent }));
     byId("mirror-axes").replaceChildren(row(head), ...cells(twin).map((texts) => row(texts.map((textContent) => element("td", { textContent })))));
   }
 
@@ -117,7 +117,7 @@ export class MirrorBar {
     setText(loopButton, loop === null ? "Loop" : `Loop ${loop.from.toFixed(1)}–${loop.to.toFixed(1)} s`);
   }
 
-  /** The recording has been played to its end, and waits there. */
+  /** Whether the recording has been played to its end and is paused there. */
   private atEnd(tS: number): boolean {
     return this.store.state?.phase === "paused" && this.info?.live === false && tS >= (this.info?.duration_s ?? Infinity) - 2 * this.store.tickS;
   }
@@ -143,7 +143,7 @@ export class MirrorBar {
     this.send({ type: "seek", t_s: Math.min(Math.max(tS, 0), this.endS) });
   }
 
-  /** The last time there is to go to, s. */
+  /** The last time to which the bar can seek, s. */
   private get endS(): number {
     return this.info?.live === true ? NEWEST_S : (this.info?.duration_s ?? 0);
   }
@@ -166,12 +166,12 @@ function row(children: HTMLElement[]): HTMLElement {
 
 const LIGHTS: Record<NonNullable<TwinInfo["light"]>, string> = { valid: "✓ twin holds", doubtful: "≈ twin doubtful", invalid: "✗ twin does not hold" };
 
-/** The light in words: never by its colour alone. */
+/** The validity of the twin in words, so that it never depends on the colour alone. */
 export function verdict(twin: TwinInfo): string {
   return twin.light === null ? "twin: unknown" : LIGHTS[twin.light];
 }
 
-/** One line per axis: how far twin, twin with residual and coasting are from the flight, mm and mrad. */
+/** One line per axis with the errors of the twin, of the twin with residual and of coasting against the flight, mm or mrad. */
 export function cells(twin: TwinInfo): string[][] {
   return twin.axes.map(({ row: name, twin: bare, with_residual, coasting }) => {
     const unit = ["x", "y", "z"].includes(name) ? "mm" : "mrad";
@@ -179,14 +179,14 @@ export function cells(twin: TwinInfo): string[][] {
   });
 }
 
-/** What the bar's panel says about the recording. */
+/** Name and text of each line about the recording in the bar's panel. */
 export function facts(info: MirrorInfo): [string, string][] {
   return [
     ["solid", `the real flight; ${info.stand_in}`],
     ["ghost", info.ghost],
-    ["predictor", `${info.predictor}; in shadow: it acts on nothing`],
+    ["predictor", `${info.predictor}; it runs in shadow and moves nothing`],
     ["force", info.force],
-    ["unknown", info.unknown_rows.length === 0 ? "nothing" : `residual of ${info.unknown_rows.join(", ")}: not in this recording, so not shown`],
+    ["unknown", info.unknown_rows.length === 0 ? "nothing" : `residual of ${info.unknown_rows.join(", ")}: this recording does not contain it, so it is not shown`],
     ["map", info.map],
     ...info.notes.map((note): [string, string] => ["note", note]),
   ];

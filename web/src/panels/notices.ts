@@ -1,5 +1,5 @@
-// Short messages to this operator: a refused gain, something unreadable. Errors stay until they are closed. They have a
-// place of their own above the event log and cover nothing.
+// Short messages to this operator, for example about a refused gain. Errors stay until the operator closes them. Notices have
+// their own place above the event log, so they cover nothing.
 import type { NoticeLevel } from "../protocol";
 import { byId, element } from "./dom";
 

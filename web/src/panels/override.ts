@@ -1,10 +1,10 @@
-// The gains in force as text for a scenario file: shown, to copy, and as a file.
+// The dialog with the gains in force as text for a scenario file. It shows the text, copies it, and saves it as a file.
 import { byId, element, setText } from "./dom";
 import { notify } from "./notices";
 
 const ADDRESS = "/api/override.toml";
 
-/** Wires the dialog; what is returned fetches the text, saves it as a file and shows it. */
+/** Wires the dialog; returns a function that fetches the text, saves it as a file and shows it. */
 export function overrideDialog(scenario: () => string): () => Promise<void> {
   const dialog = byId<HTMLDialogElement>("override");
   const text = byId<HTMLTextAreaElement>("override-text");
@@ -32,7 +32,7 @@ function download(text: string, name: string): void {
   setTimeout(() => URL.revokeObjectURL(href), 10_000);
 }
 
-/** The clipboard needs a secure page; elsewhere the text is selected, and Ctrl+C does it. */
+/** Copies the text. Without a secure page there is no clipboard; then the text is selected, and the operator presses Ctrl+C. */
 async function copy(text: HTMLTextAreaElement): Promise<void> {
   text.select();
   try {

@@ -21,7 +21,7 @@ describe("fuzzy match", () => {
   });
 
   it("finds the best of several places, not the first", () => {
-    // The first p is inside a word; the one that counts begins one.
+    // The first p is inside a word; the second begins a word and scores higher.
     expect(fuzzyScore("p", "up pause")).toBeCloseTo((fuzzyScore("p", "xx pause") ?? 0), 9);
   });
 

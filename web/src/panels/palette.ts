@@ -1,4 +1,4 @@
-// The command palette (Ctrl+K): a text, a list, the keyboard.
+// The command palette (Ctrl+K): a text field, a list of items, and the keys that choose one.
 import { capsOf } from "./chord";
 import { byId, element } from "./dom";
 import { keyCaps } from "./keys";
@@ -52,7 +52,7 @@ export class CommandPalette {
       this.choose(Math.min(this.items.length - 1, Math.max(0, wrapped)));
     } else if (event.key === "Enter") {
       event.preventDefault();
-      // What was locked when the list was made may be free by now.
+      // An item that was locked when the list was made may be usable now, so the search runs again.
       const { chosen } = this;
       this.search();
       this.choose(Math.min(chosen, Math.max(0, this.items.length - 1)));

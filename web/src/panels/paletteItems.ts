@@ -1,4 +1,4 @@
-// What the palette offers for a text: everything that fits, and what the text itself says ("damping.z 12").
+// The items that the palette offers for a text: all that fit, and the command that the text itself spells ("damping.z 12").
 import type { GainInfo, ScenarioInfo } from "../protocol";
 import type { Command } from "./commands";
 import { rank } from "./fuzzy";
@@ -7,9 +7,9 @@ import { spelled } from "./spelled";
 
 export interface Item {
   text: string;
-  /** Beside the text: the key, or why it cannot be done. */
+  /** Text beside the item: its key, or the reason why it cannot be chosen. */
   hint: string;
-  /** Found by these words as well. */
+  /** Further words by which the item is found. */
   words: string;
   usable: boolean;
   run(): void;
@@ -22,11 +22,11 @@ export interface Sources {
   setGain(name: string, value: number): void;
   showGain(name: string): void;
   startScenario(name: string): void;
-  /** Other things that can be chosen by name, such as the window of the charts. */
+  /** Further choices by name, such as the window of the charts. */
   choices: { text: string; run(): void }[];
-  /** What is shown is old: no gain and nothing of the world can be set. */
+  /** Whether the data are stale, so that gains and the world cannot be set. */
   locked: boolean;
-  /** Words that take a number: "seed 7". */
+  /** Commands that take a number: "seed 7". */
   verbs: Verb[];
 }
 
@@ -35,7 +35,7 @@ export interface Verb {
   unit: string;
   min: number;
   max: number;
-  /** Sets something that is locked while what is shown is old. */
+  /** Whether the verb sets something that is locked while the data are stale. */
   tunes: boolean;
   describe(value: number): string;
   run(value: number): void;
@@ -50,7 +50,7 @@ export function itemsFor(query: string, sources: Sources): Item[] {
   return rank(query, all(sources), ({ text, words }) => `${text} ${words}`).slice(0, SHOWN_AT_MOST);
 }
 
-/** A name and a number: a gain by its name or symbol, or a verb. */
+/** Items for a name and a number: a gain by its name or symbol, or a verb. */
 function spoken(query: string, sources: Sources): Item[] {
   const parts = /^(.+?)\s*[\s=]\s*([-−]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)$/i.exec(query.trim());
   const [, name, digits] = parts ?? [];

@@ -1,9 +1,9 @@
-// Small panels that hang from a button. The browser opens and closes them (popover, popovertarget); here they get their
-// place under the button, inside the window.
+// Small panels below a button. The browser opens and closes them (popover, popovertarget); this module places them under the
+// button and inside the window.
 
 const MARGIN_PX = 8;
 
-/** Places `panel` whenever it opens; `opened` fills it. */
+/** Places `panel` under `button` whenever it opens; `opened` fills it. */
 export function hang(panel: HTMLElement, button: HTMLElement, opened: () => void = () => {}): void {
   const place = (): void => {
     if (!isOpen(panel)) return;
@@ -19,7 +19,7 @@ export function hang(panel: HTMLElement, button: HTMLElement, opened: () => void
     button.ariaExpanded = String(open);
     if (!open) return;
     opened();
-    // Its size is not known yet; where it hangs is.
+    // The size of the panel is not known yet, but the position of its button is.
     const { left, bottom } = button.getBoundingClientRect();
     panel.style.left = `${left}px`;
     panel.style.top = `${bottom + 6}px`;

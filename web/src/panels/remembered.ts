@@ -1,4 +1,4 @@
-// A value of the page that survives a reload, as JSON in the browser's storage. Without storage it lives as long as the page.
+// A value of the page that survives a reload, as JSON in the browser's storage. Without storage the value lasts as long as the page.
 
 export interface Remembered<T> {
   get(): T;
@@ -11,7 +11,7 @@ export function remembered<T>(key: string, initial: T): Remembered<T> {
     const stored = localStorage.getItem(key);
     if (stored !== null) value = JSON.parse(stored) as T;
   } catch {
-    // Unreadable or forbidden: the initial value does.
+    // The stored value is unreadable or storage is forbidden; the initial value serves.
   }
   return {
     get: () => value,
@@ -20,7 +20,7 @@ export function remembered<T>(key: string, initial: T): Remembered<T> {
       try {
         localStorage.setItem(key, JSON.stringify(next));
       } catch {
-        // Full or forbidden: it lives as long as the page.
+        // The storage is full or forbidden; the value lasts as long as the page.
       }
     },
   };

@@ -1,11 +1,11 @@
-// Restart with a seed: the panel under the small arrow beside Restart.
+// The panel for a restart with a seed, under the small arrow beside Restart.
 import { byId, setText } from "./dom";
 import { hang } from "./popover";
 
-/** Seeds of "new seed": small enough to be typed again. */
+/** Upper limit of the seeds of "new seed". It is small, so that an operator can type such a seed again. */
 const SEEDS = 1_000_000;
 
-/** `restart` flies with a seed, or with the one in use for null. */
+/** `restart` restarts the flight with a seed; null keeps the seed in use. */
 export function startRestart(seedInUse: () => number | undefined, restart: (seed: number | null) => void): void {
   const panel = byId("restart-panel");
   const field = byId<HTMLInputElement>("seed");

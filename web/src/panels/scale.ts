@@ -1,5 +1,5 @@
-// From a slider's position (0..1) to a gain and back. Ranges over three decades are logarithmic, so that a slider from
-// 0.05 to 1000000 is still usable at 2.
+// Converts a slider's position (0..1) to a gain and back. Ranges of more than three decades are logarithmic, so that a slider from
+// 0.05 to 1000000 can still be set to 2.
 
 const LOGARITHMIC_RATIO = 1000;
 const FINEST_SLIDER = 2000;
@@ -26,13 +26,13 @@ export function valueAt(position: number, range: Range): number {
   return clamp(roundTo(min + position * (max - min), step, min), range);
 }
 
-/** Positions of a slider: one per step where that many can be told apart, so that an arrow key is one step. */
+/** Number of positions of a slider: one per step of the gain if the slider is fine enough, so that an arrow key moves one step. */
 export function sliderSteps(range: Range): number {
   if (isLogarithmic(range) || range.step <= 0) return FINEST_SLIDER;
   return Math.max(1, Math.min(FINEST_SLIDER, Math.round((range.max - range.min) / range.step)));
 }
 
-/** As many decimals as the step asks for, without trailing noise. */
+/** The value with as many decimals as it needs, without rounding noise at the end. */
 export function formatGain(value: number): string {
   return String(roundSignificant(value, 6));
 }

@@ -1,11 +1,11 @@
-// The key to the picture: what each colour in sight means, how long an arrow is for how much, and the newest values.
+// The legend of the 3-D view: the meaning of each colour shown, the scale of the arrows, and the newest values.
 import { METRES_PER_NEWTON } from "../scene/forces";
 import type { World } from "../scene/world";
 import { byId, element, setText } from "./dom";
 import { ARROW_KINDS, type KindInfo, MARK_KINDS } from "./viewKinds";
 
 const SCALE_CM = 10;
-/** Kinds whose newest value is told beside their name, N. */
+/** Kinds whose newest value stands beside their name, N. */
 const VALUED = ["total_thrust", "estimate", "adapter"] as const;
 type Valued = (typeof VALUED)[number];
 
@@ -15,7 +15,7 @@ export class SceneKey {
 
   constructor(private readonly world: World) {}
 
-  /** What is drawn may have changed. */
+  /** Shows the legend of the kinds that are drawn now. */
   show(): void {
     const { shown } = this.world.settings;
     this.values.clear();
@@ -30,7 +30,7 @@ export class SceneKey {
     this.readings();
   }
 
-  /** Tells the newest values. */
+  /** Writes the newest values. */
   readings(): void {
     const newtons = this.world.forcesNow();
     this.values.forEach((output, kind) => setText(output, Number.isFinite(newtons[kind]) ? `${newtons[kind].toFixed(1)} N` : "unknown"));

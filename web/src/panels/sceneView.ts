@@ -1,4 +1,4 @@
-// Everything in words over the 3-D view: the list of what is drawn, the key, the chosen body's card, wind, the push.
+// The texts and controls over the 3-D view: the list of things to draw, the legend, the card of the chosen body, wind and push.
 import type { Store } from "../data/store";
 import { MOST_PUSH_N } from "../scene/push";
 import type { World } from "../scene/world";
@@ -33,20 +33,20 @@ export class SceneView {
     this.register();
   }
 
-  /** Another flight. */
+  /** Takes another flight. */
   rebuild(): void {
     this.list.rebuild();
     this.key.show();
     this.readings();
   }
 
-  /** Another body was chosen, or none. */
+  /** Takes note that another body was chosen, or none. */
   chosen(): void {
     this.list.show();
     this.card.readings();
   }
 
-  /** Once per drawing. */
+  /** Updates the texts; called once per frame. */
   frame(now: number): void {
     this.showPush();
     if (this.texts.due(now)) this.readings();
@@ -72,7 +72,7 @@ export class SceneView {
     if (!pointer.pushing) return;
     const newtons = pointer.spring.force.length();
     const most = newtons >= MOST_PUSH_N - 0.01 ? " (most)" : "";
-    setText(this.pushText, pushable ? `${newtons.toFixed(1)} N${most}` : "no push: the flight is not running");
+    setText(this.pushText, pushable ? `${newtons.toFixed(1)} N${most}` : "no push, because the flight is not running");
     const frame = this.pushText.parentElement?.getBoundingClientRect();
     this.pushText.style.transform = `translate(${pointer.cursor.x - (frame?.left ?? 0) + 16}px, ${pointer.cursor.y - (frame?.top ?? 0) - 12}px)`;
   }
@@ -82,7 +82,7 @@ export class SceneView {
     const toggles = [...ARROW_KINDS, ...MARK_KINDS].map(({ kind, label, key }: KindInfo) => ({
       id: `view.${kind}`,
       group: GROUP,
-      description: `${label} on or off`,
+      description: `show or hide: ${label}`,
       keys: key === undefined ? [] : [key],
       action: () => {
         world.settings.shown[kind] = !world.settings.shown[kind];
@@ -90,11 +90,11 @@ export class SceneView {
       },
     }));
     commands.register(
-      { id: "view.list", group: GROUP, description: "list of what is drawn", keys: ["Shift+V"], action: () => this.list.toggle() },
+      { id: "view.list", group: GROUP, description: "list the things to draw", keys: ["Shift+V"], action: () => this.list.toggle() },
       { id: "view.next", group: GROUP, description: "choose the next body", keys: ["N"], action: () => world.chooseNext(1) },
-      { id: "view.previous", group: GROUP, description: "choose the body before", keys: ["Shift+N"], action: () => world.chooseNext(-1) },
-      { id: "view.none", group: GROUP, description: "let go of the push, or choose no body", keys: ["Escape"], keyOnly: true, when: () => world.pointer.pushing || (world.chosenBody !== undefined && document.querySelector(":popover-open") === null), action: () => this.letGo() },
-      { id: "view.axes", group: GROUP, description: "axes of body, links, tool and payload on or off", keys: ["Shift+X"], action: () => this.toggleAxes() },
+      { id: "view.previous", group: GROUP, description: "choose the previous body", keys: ["Shift+N"], action: () => world.chooseNext(-1) },
+      { id: "view.none", group: GROUP, description: "stop the push, or choose no body", keys: ["Escape"], keyOnly: true, when: () => world.pointer.pushing || (world.chosenBody !== undefined && document.querySelector(":popover-open") === null), action: () => this.letGo() },
+      { id: "view.axes", group: GROUP, description: "show or hide the axes of body, links, tool and payload", keys: ["Shift+X"], action: () => this.toggleAxes() },
       ...toggles,
     );
   }

@@ -1,4 +1,4 @@
-// Tabs by the ARIA pattern: one is chosen, arrow keys move within the list, the panel belongs to its tab.
+// Tabs by the ARIA pattern: one tab is chosen, arrow keys move within the list, and each tab has its panel.
 import { remembered } from "./remembered";
 
 export interface Tabs {
@@ -7,8 +7,8 @@ export interface Tabs {
 }
 
 /**
- * Wires the `[role=tab]` buttons in `list`; each names its panel in `aria-controls`. `changed` hears the id of the tab.
- * The choice is remembered under `key`.
+ * Wires the `[role=tab]` buttons in `list`; each names its panel in `aria-controls`. `changed` is called with the id of the chosen
+ * tab. The choice is remembered under `key`.
  */
 export function startTabs(list: HTMLElement, key: string, changed: (id: string) => void = () => {}): Tabs {
   const tabs = [...list.querySelectorAll<HTMLButtonElement>("[role=tab]")];

@@ -1,4 +1,4 @@
-// Dark or light: the system's choice until the operator makes one. Canvas drawing needs the colours as values.
+// The dark or the light theme: the system chooses it until the operator does. Drawing on a canvas needs the colours as values.
 import { tokenReader } from "../style/tokens";
 
 export interface Palette {

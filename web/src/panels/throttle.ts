@@ -1,10 +1,10 @@
-// The last of many wishes, and not too often.
+// Limits how often an action runs; between two runs only the newest value waits.
 
 export class Throttle {
   private waiting: number | null = null;
   private timer: ReturnType<typeof setTimeout> | null = null;
 
-  /** `act` is called at once for a first wish, and then at most every `everyMs` with the newest. */
+  /** `act` is called at once for the first value, and then at most every `everyMs` with the newest value. */
   constructor(
     private readonly everyMs: number,
     private readonly act: (value: number) => void,
@@ -22,7 +22,7 @@ export class Throttle {
     }, this.everyMs);
   }
 
-  /** What still waits, now. */
+  /** Calls `act` now if a value waits. */
   flush(): void {
     const { waiting } = this;
     this.waiting = null;

@@ -1,9 +1,9 @@
-// Where a tick's time goes: a small stacked bar in the top bar, and its numbers in a panel.
+// The wall-clock time of each stage of a tick: a small stacked bar in the top bar, and the numbers in a panel.
 import type { StateInfo } from "../protocol";
 import { byId, element, setText } from "./dom";
 import { hang, isOpen } from "./popover";
 
-/** Colours of the stages in order; they begin again, the numbers stand beside them. */
+/** Colours of the stages in order. With more stages the colours repeat; the panel names each stage. */
 const COLORS = [2, 1, 3, 4, 5, 7, 6, 8].map((place) => `series-${place}`);
 const MS_PER_S = 1000;
 
@@ -19,13 +19,13 @@ export class Timing {
   }
 
   show(state: StateInfo, tickS: number): void {
-    // While no tick is flown there are no times: the last ones stay.
+    // While the flight is paused there are no new times, so the last ones stay.
     const kept = totalMs(state.stages) > 0 ? state.stages : (this.state?.stages ?? state.stages);
     this.state = { ...state, stages: kept };
     this.tickMs = tickS * MS_PER_S;
     const total = totalMs(kept);
     byId("stage-bar").replaceChildren(...segments(kept, Math.max(total, this.tickMs)));
-    byId("timing-open").title = total === 0 ? "Real-time factor; no stage times yet" : `A tick takes ${total.toFixed(2)} ms of the ${this.tickMs.toFixed(0)} ms it lasts`;
+    byId("timing-open").title = total === 0 ? "Real-time factor. No tick has been timed yet." : `The server computes a tick of ${this.tickMs.toFixed(0)} ms in ${total.toFixed(2)} ms`;
     if (isOpen(this.panel)) this.table();
   }
 
@@ -33,7 +33,7 @@ export class Timing {
     if (this.state === null) return;
     const { stages, speed, real_time_factor: reached } = this.state;
     const total = totalMs(stages);
-    setText(byId("timing-speed"), `${reached.toFixed(2)}× real time, asked for ${speed === null ? "as fast as possible" : `${speed}×`}`);
+    setText(byId("timing-speed"), `${reached.toFixed(2)}× real time, requested: ${speed === null ? "as fast as possible" : `${speed}×`}`);
     byId("timing-bar").replaceChildren(...segments(stages, Math.max(total, this.tickMs)));
     byId("timing-rows").replaceChildren(
       ...stages.map(({ name, ms }, index) => row(name.replaceAll("_", " "), ms, this.tickMs, swatch(index))),
@@ -47,7 +47,7 @@ function totalMs(stages: Stages): number {
   return stages.reduce((sum, { ms }) => sum + ms, 0);
 }
 
-/** One part per stage; what is left of `fullMs` stays empty. */
+/** One segment per stage; the rest of `fullMs` stays empty. */
 function segments(stages: Stages, fullMs: number): HTMLElement[] {
   return stages.map(({ ms }, index) => {
     const part = swatch(index);

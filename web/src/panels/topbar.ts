@@ -1,10 +1,10 @@
-// The bar an operator reads first: is it flying, is it well, is what I see fresh.
+// The bar that an operator reads first. It tells whether the flight runs, whether it is well, and whether the data are fresh.
 import type { Store } from "../data/store";
 import { clockMs, type Link } from "../link/link";
 import type { StateInfo } from "../protocol";
 import { byId, option, setText } from "./dom";
 
-/** The only verdict that is a success. */
+/** The only verdict that means success. */
 const COMPLETED = "completed";
 const SPEEDS = [0.01, 0.1, 0.25, 0.5, 1, 2, 5, 10, 20];
 const PHASES: Record<StateInfo["phase"], { text: string; tone: string }> = {
@@ -35,20 +35,20 @@ export class TopBar {
     this.link.send({ type: "pause", paused: this.store.state?.phase === "flying" });
   }
 
-  /** Flies `ticks` and holds. */
+  /** Flies `ticks` and pauses. */
   step(ticks = 1): void {
     if (this.store.state?.phase === "flying") this.link.send({ type: "pause", paused: true });
     this.link.send({ type: "step", ticks });
   }
 
-  /** Restarts the flight, or starts the scenario that was chosen since; with `seed`, or the one in use for null. */
+  /** Restarts the flight, or starts the scenario that was chosen meanwhile, with `seed`; null keeps the seed in use. */
   restart(seed: number | null = null): void {
     const chosen = this.scenario.value;
     const scenario = chosen === "" || chosen === this.store.state?.scenario ? null : chosen;
     this.link.send({ type: "restart", seed, scenario });
   }
 
-  /** The next speed on the list, `by` places on. */
+  /** Chooses the speed that stands `by` places further in the list. */
   faster(by: number): void {
     const values = SPEEDS.filter((value) => Math.sign(value - this.speedNow) === by);
     const next = by > 0 ? values[0] : values.at(-1);
@@ -91,7 +91,7 @@ export class TopBar {
     document.title = `${state.phase} · ${state.scenario} · twin`;
   }
 
-  /** Shows what changes all the time; called a few times a second. */
+  /** Writes the values that change all the time; called a few times a second. */
   readings(stale: boolean): void {
     const { health } = this.link;
     const now = clockMs();

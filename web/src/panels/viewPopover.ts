@@ -1,4 +1,4 @@
-// The list behind "View": what is drawn, which body is chosen, and a push for hands without a mouse.
+// The list behind "View": the things to draw, the chosen body, and buttons that push the vehicle without a mouse.
 import { Vector3 } from "three";
 import { TRAIL_SPANS_S, type ViewKind } from "../scene/settings";
 import type { World } from "../scene/world";
@@ -49,20 +49,20 @@ export class ViewPopover {
     this.root.togglePopover();
   }
 
-  /** Another flight: other bodies. */
+  /** Takes another flight with other bodies. */
   rebuild(): void {
     const names = this.world.bodies?.list().map(({ name }) => name) ?? [];
     this.bodies.replaceChildren(option("", "none"), ...names.map((name) => option(name, name)));
     this.show();
   }
 
-  /** Brings the controls in line with the settings. */
+  /** Shows the settings in the controls. */
   show(): void {
     this.boxes.forEach((box, kind) => (box.checked = this.world.settings.shown[kind]));
     this.bodies.value = this.world.chosenBody?.name ?? "";
   }
 
-  /** Pushes are for flights that run. */
+  /** Enables the push buttons only while a flight runs. */
   readings(): void {
     this.pushes.forEach((button) => (button.disabled = !this.world.pushable));
   }
@@ -84,12 +84,12 @@ export class ViewPopover {
 
   private trailRow(): HTMLElement {
     const select = element("select", { id: "view-span" });
-    select.append(...TRAIL_SPANS_S.map((span) => option(String(span), Number.isFinite(span) ? `last ${span} s` : "all of it", span === this.world.settings.trailS)));
+    select.append(...TRAIL_SPANS_S.map((span) => option(String(span), Number.isFinite(span) ? `last ${span} s` : "unlimited", span === this.world.settings.trailS)));
     select.addEventListener("change", () => {
       this.world.settings.trailS = Number(select.value);
       this.changed();
     });
-    return element("label", { className: "view-trail" }, [element("span", { textContent: "How far back" }), select]);
+    return element("label", { className: "view-trail" }, [element("span", { textContent: "Length of the paths" }), select]);
   }
 
   private place(): void {

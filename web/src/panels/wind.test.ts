@@ -12,7 +12,7 @@ describe("wind", () => {
     for (const from of [0, 30, 90, 145, 200, 270, 355]) {
       const back = windForm(windVector({ speed: 6, from, up: 0.5 }), 0);
       expect(back.from).toBe(from);
-      // The vector is rounded to a hundredth.
+      // The tolerance covers the rounding of the vector to a hundredth.
       expect(back.speed).toBeCloseTo(6, 1);
       expect(back.up).toBe(0.5);
     }

@@ -1,9 +1,9 @@
-// Wind as people say it (how strong, from where) and as the plant takes it (velocity of the air, x east, y north, z up).
+// Converts the wind between words (speed, and the bearing from which it comes) and the velocity of the air (x east, y north, z up).
 
 export interface WindForm {
   /** Horizontal speed, m/s. */
   speed: number;
-  /** Compass bearing the wind comes from, degrees in [0, 360): 0 north, 90 east. */
+  /** Compass bearing from which the wind comes, degrees in [0, 360): 0 is north, 90 east. */
   from: number;
   /** Updraft, m/s. */
   up: number;
@@ -14,14 +14,14 @@ type Vector = [number, number, number];
 const POINTS = ["N", "NE", "E", "SE", "S", "SW", "W", "NW"];
 const CALM = 1e-9;
 
-/** Velocity of the air, m/s, to a hundredth. */
+/** Velocity of the air, m/s, rounded to a hundredth. */
 export function windVector({ speed, from, up }: WindForm): Vector {
   const bearing = (from * Math.PI) / 180;
   const round = (value: number): number => Math.round(value * 100) / 100 + 0;
   return [round(-speed * Math.sin(bearing)), round(-speed * Math.cos(bearing)), round(up)];
 }
 
-/** The same wind in words; of a calm the bearing is unknown and `bearing` stands in. */
+/** The wind of a velocity of the air. A calm has no bearing of its own; `bearing` serves instead. */
 export function windForm([x, y, z]: Vector, bearing: number): WindForm {
   const speed = Math.hypot(x, y);
   const from = speed < CALM ? bearing : (Math.atan2(-x, -y) * 180) / Math.PI;
@@ -33,7 +33,7 @@ export function compassPoint(bearing: number): string {
   return POINTS[Math.round((((bearing % 360) + 360) % 360) / 45) % 8] ?? "N";
 }
 
-/** One short phrase for the top bar. */
+/** A short phrase about the wind for the top bar. */
 export function windText(vector: Vector): string {
   const { speed, from } = windForm(vector, 0);
   if (Math.hypot(...vector) < 0.05) return "calm";

@@ -4,7 +4,7 @@ import { dialDeg } from "./windBadge";
 const turn = (deg: number): number => ((deg % 360) + 360) % 360;
 
 describe("dialDeg", () => {
-  // A camera that looks along +y has x to its right: the dial is then the map.
+  // For a camera that looks along +y, with x to its right, the dial agrees with a map.
   it.each([[0, 1, 0], [1, 0, 90], [0, -1, 180], [-1, 0, 270], [1, 1, 45]])("shows wind towards (%i, %i) at %i degrees on a map", (x, y, wanted) => {
     expect(turn(dialDeg(x, y, Math.PI / 2))).toBeCloseTo(wanted, 9);
   });

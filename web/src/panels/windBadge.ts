@@ -1,12 +1,12 @@
-// The wind as a dial: its arrow turns with the picture, up is away from the operator.
+// The wind as a dial. Its arrow turns with the picture, and up means away from the operator.
 import { METRES_PER_METRE_PER_SECOND } from "../scene/forces";
 import type { World } from "../scene/world";
 import { byId, setText } from "./dom";
 
-/** Less is no wind, m/s. */
+/** A weaker wind counts as calm, m/s. */
 const CALM_M_S = 0.05;
 
-/** Degrees clockwise from up that the dial's arrow shows for wind (`x`, `y`), seen by a camera that looks along `heading`, rad. */
+/** Angle of the dial's arrow, degrees clockwise from up, for wind (`x`, `y`) and a camera that looks along `heading`, rad. */
 export function dialDeg(x: number, y: number, heading: number): number {
   return ((heading - Math.atan2(y, x)) * 180) / Math.PI;
 }

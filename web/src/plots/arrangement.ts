@@ -1,19 +1,19 @@
-// Which charts the operator wants to see, and how; it outlives the page.
+// The operator's arrangement of the charts; it is kept when the page is closed.
 
 export interface OwnChart {
   key: string;
   title: string;
-  /** Names, in the order they were added. */
+  /** Names of the channels, in the order in which they were added. */
   channels: string[];
 }
 
 export interface Arrangement {
-  /** Keys of charts that are not shown. */
+  /** Keys of the hidden charts. */
   hidden: string[];
   own: OwnChart[];
-  /** Residuals as z-scores. */
+  /** Whether residuals are shown as z-scores. */
   zscore: boolean;
-  /** Kinds of events that are not marked on the charts. */
+  /** Kinds of events whose marks are hidden. */
   unmarked: string[];
   windowS: number;
   row: string;
@@ -23,12 +23,12 @@ export const WINDOWS_S = [5, 10, 20, 60, 300, 600];
 export const MOST_OWN = 8;
 const STORED = "twin.charts";
 
-/** Every chart, every mark, physical units. */
+/** The default arrangement: every chart, every mark, physical units. */
 export function standard(): Arrangement {
   return { hidden: [], own: [], zscore: false, unmarked: [], windowS: 20, row: "z" };
 }
 
-/** Reads what was stored; whatever cannot be used is replaced by the standard, piece by piece. */
+/** Reads a stored arrangement; each part that cannot be used is replaced by the default of this part. */
 export function parse(text: string | null): Arrangement {
   const fallback = standard();
   let stored: unknown;
@@ -57,7 +57,7 @@ export function save(arrangement: Arrangement): void {
   localStorage.setItem(STORED, JSON.stringify(arrangement));
 }
 
-/** A new, empty chart under a key that is not in use. */
+/** Adds a new, empty chart under an unused key; returns null if there are as many own charts as allowed. */
 export function addOwn(arrangement: Arrangement): OwnChart | null {
   if (arrangement.own.length >= MOST_OWN) return null;
   const free = Array.from({ length: MOST_OWN }, (_, k) => k + 1).find((k) => !arrangement.own.some(({ key }) => key === `own-${k}`)) ?? 1;

@@ -1,4 +1,4 @@
-// One chart: a heading with the newest (or pointed-at) values, and the plot.
+// One chart: the plot, and a heading with the values at the cursor or the newest ones.
 import uPlot from "uplot";
 import { decimate, type Sample, type Trace } from "../data/decimate";
 import type { Store } from "../data/store";
@@ -14,7 +14,7 @@ import { showing } from "./software";
 import type { ChartSpec, SeriesSpec } from "./spec";
 import type { Span } from "./view";
 
-/** Words for those who do not see the chart change this seldom, ms. */
+/** The least time between two updates of the chart's text for screen readers, ms. */
 const SPEAK_EVERY_MS = 2000;
 
 export class Chart implements Panel {
@@ -35,10 +35,10 @@ export class Chart implements Panel {
   private traces: Trace[] = [];
   private spokenAt = -Infinity;
   private zscore = false;
-  /** A forecast came in since the chart was made; a forecaster that looks no further never gives one. */
+  /** Whether a forecast has arrived since the chart was made. A predictor that does not look ahead never gives one. */
   private foresees = false;
 
-  /** `tools`: what the heading carries besides the title. */
+  /** `tools` are controls that the heading has beside the title. */
   constructor(
     readonly spec: ChartSpec,
     private readonly store: Store,
@@ -87,7 +87,7 @@ export class Chart implements Panel {
     this.plot.setData([this.x, ...this.values] as uPlot.AlignedData);
   }
 
-  /** Puts the cursor at `time`; null: none. */
+  /** Puts the cursor at `time`; null hides it. */
   point(time: number | null): void {
     if (this.frame === null) return;
     const [from, to] = this.frame.span;
@@ -95,7 +95,7 @@ export class Chart implements Panel {
     this.plot.setCursor({ left, top: left < 0 ? -10 : 1 }, false);
   }
 
-  /** Shows the values at `time`, the newest for null. */
+  /** Shows the values at `time`; for null the newest values. */
   write(time: number | null, now: number): void {
     this.outputs.forEach((output, k) => setText(output, formatValue(this.valueAt(k, time))));
     if (now - this.spokenAt < SPEAK_EVERY_MS) return;
@@ -103,7 +103,7 @@ export class Chart implements Panel {
     this.root.ariaLabel = this.sentence(time);
   }
 
-  /** Marks the stretch between two parts of the width as chosen; null takes the mark away. */
+  /** Marks the stretch between two positions, as parts of the width, as selected; null removes the mark. */
   select(part: [number, number] | null): void {
     const [width, height] = plotSize(this.plot);
     const [from, to] = part ?? [0, 0];
@@ -120,7 +120,7 @@ export class Chart implements Panel {
     }));
   }
 
-  /** One sentence with the values at `time`, the newest for null. */
+  /** One sentence with the values at `time`; for null with the newest values. */
   sentence(time: number | null): string {
     const values = this.series.map(({ label }, k) => {
       const value = this.valueAt(k, time);
@@ -143,7 +143,7 @@ export class Chart implements Panel {
     this.root.remove();
   }
 
-  /** Value of a series at `time`, the newest of the frame for null. */
+  /** Value of a series at `time`; for null at the newest tick of the frame. */
   private valueAt(k: number, time: number | null): number {
     const newest = this.frame?.newest ?? this.store.history.last;
     const tick = time === null ? newest : this.store.tickAt(time) - (this.traces[k]?.shift ?? 0);
@@ -159,7 +159,7 @@ export class Chart implements Panel {
     drawMarks(plot, this.frame, this.colors, this.spec.resetIcon === true, this.foresees);
   }
 
-  /** Stretches in which nothing can be known of a series, because its ticks were lost, s. */
+  /** Stretches in which a series has no values because its ticks were lost, s. */
   private lost(k: number): Span[] {
     const bucket = (this.frame?.bucket ?? 1) * this.store.tickS;
     const shift = (this.traces[k]?.shift ?? 0) * this.store.tickS;
@@ -172,13 +172,13 @@ export class Chart implements Panel {
     this.yRange = logarithmic ? decadeRange(this.yRange, bounds) : linearRange(this.yRange, bounds, this.spec.smallestSpan);
   }
 
-  /** Factor on the values of a series: one over its scale where z-scores are asked for. */
+  /** Factor by which the values of a series are multiplied: one over its scale if z-scores are shown, else 1. */
   private scale(k: number): number {
     const z = this.channels[k]?.z_scale;
     return this.spec.zscore === true && this.frame?.zscore === true && z !== null && z !== undefined ? 1 / z : 1;
   }
 
-  /** The key names a forecast once there is one. */
+  /** Shows the forecast in the legend as soon as there is one. */
   private showForecast(): void {
     if (this.foresees) return;
     const of = this.series.findIndex(({ ahead }) => ahead === true);
@@ -213,7 +213,7 @@ function distinct(limits: Bounds[]): Bounds[] {
   return limits.filter(([low, high], index) => limits.findIndex((other) => other[0] === low && other[1] === high) === index);
 }
 
-/** A logarithm has no place for zero, yet zero is a value: no point there, and no mark for an unknown one. */
+/** Removes points that a logarithmic axis cannot show. They are known values, so they are not marked as unknown. */
 function positive(values: Sample[]): Sample[] {
   return values.map((value) => (typeof value === "number" && value <= 0 ? undefined : value));
 }

@@ -1,8 +1,8 @@
-// Round times for the shared clock: the grid of every chart and the labels of the timeline.
+// Round times on the shared time axis, for the grid of every chart and the labels of the timeline.
 import { niceStep } from "./range";
 import type { Span } from "./view";
 
-/** Round times within `span`, at least `apart` px from one another on a width of `width` px. */
+/** Round times within `span`, at least `apart` px apart on a plot of `width` px. */
 export function clockSplits([from, to]: Span, width: number, apart: number): number[] {
   const step = niceStep(((to - from) * apart) / Math.max(apart, width));
   const splits: number[] = [];

@@ -1,24 +1,24 @@
-// Marks that would lie on top of one another are shown as one.
+// Joins marks that would overlap to one cluster.
 import { type EventKind, eventKind } from "../data/eventKinds";
 
 export interface Mark {
   tick: number;
-  /** s */
+  /** Time of the mark, s. */
   time: number;
   kind: string;
-  /** One sentence. */
+  /** The text of the mark, one sentence. */
   text: string;
 }
 
 export interface Cluster {
-  /** Place of the mark that stands for all, px. */
+  /** Position of the mark that represents the cluster, px. */
   x: number;
-  /** The mark that stands for all: the weightiest, of those the first. */
+  /** The mark that represents the cluster: the first of those with the largest weight. */
   head: Mark;
   marks: Mark[];
 }
 
-/** What the charts mark besides events. */
+/** Kinds of marks that are not events. */
 const OWN_KINDS: EventKind[] = [
   { kind: "gap", icon: "⋮", label: "lost ticks", tone: "warn", dash: [], weight: 3 },
   { kind: "marker", icon: "⚑", label: "your mark", dash: [], weight: 10 },
@@ -28,7 +28,7 @@ export function markKind(kind: string): EventKind {
   return OWN_KINDS.find((own) => own.kind === kind) ?? eventKind(kind);
 }
 
-/** Groups of the ascending `marks` that begin at least `apart` px from one another. */
+/** Groups the ascending `marks` into clusters that begin at least `apart` px from one another. */
 export function clusters(marks: Mark[], xOf: (time: number) => number, apart: number): Cluster[] {
   const groups: { from: number; marks: Mark[] }[] = [];
   for (const mark of marks) {

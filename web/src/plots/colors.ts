@@ -1,4 +1,4 @@
-// Colours of the charts, from the tokens of the theme in force. Canvas drawing needs them as values.
+// The colours of the charts, read from the tokens of the current theme. Drawing on a canvas needs them as values.
 import { tokenReader } from "../style/tokens";
 
 export interface ChartColors {
@@ -14,12 +14,12 @@ export interface ChartColors {
   good: string;
   warn: string;
   bad: string;
-  /** Okabe–Ito in an order in which neighbours differ most, for charts of many lines. */
+  /** The colours of Okabe and Ito for charts with many lines, in an order in which neighbours differ most. */
   series: string[];
 }
 
 export const SERIES_COLORS = 8;
-/** Pattern of a line, px, so that its kind never rests on colour alone. */
+/** Dash patterns of lines, px. They let a reader tell lines apart without colours. */
 export const SERIES_DASHES: (number[] | undefined)[] = [undefined, [7, 3], [2, 2], [9, 3, 2, 3], undefined, [5, 2], [1, 3], [12, 3]];
 
 export function readColors(): ChartColors {

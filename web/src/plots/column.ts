@@ -1,5 +1,5 @@
-// The column of charts on one clock, drawn in rounds within a budget: at most ten rounds a second, few charts per frame,
-// and all charts of a round from the same frame of data.
+// The column of charts with one shared time axis. It draws in rounds within a budget: at most ten rounds a second and a few charts
+// per frame. All charts of a round show the same frame of data.
 import type { Store } from "../data/store";
 import { Beat } from "../panels/beat";
 import { byId, option, radioGroup, setText } from "../panels/dom";
@@ -24,13 +24,13 @@ import { MarkTip } from "./tip";
 import { View } from "./view";
 
 const ROUND_MS = 100;
-/** A round is spread over so much time, ms: one chart per frame while frames come fast, more of them while they do not. */
+/** Time over which a round is spread, ms: one chart per frame while the page draws fast, several per frame while it is slow. */
 const SPREAD_MS = { software: 250, hardware: 100 };
-/** Words about the cursor come once it rests, ms. */
+/** The text for screen readers is written when the cursor has rested for this long, ms. */
 const SPEAK_AFTER_MS = 500;
 
 export class ChartColumn {
-  /** Called with the tick under the cursor when it changes; null for none. */
+  /** Called with the tick under the cursor when it changes; null without a cursor. */
   onCursor: (tick: number | null) => void = () => undefined;
   readonly view: View;
   readonly arrangement = load();
@@ -99,7 +99,7 @@ export class ChartColumn {
     byId("save-png").addEventListener("click", files.savePng);
   }
 
-  /** Rows and channels may have changed. */
+  /** Takes a new description of the flight, whose coordinates and channels may differ. */
   rebuild(): void {
     const rows = this.store.rows();
     if (!rows.includes(this.arrangement.row)) this.arrangement.row = rows.includes("z") ? "z" : (rows[0] ?? "");
@@ -120,13 +120,13 @@ export class ChartColumn {
     if (this.store.hello !== null) this.sync(true);
   }
 
-  /** Another flight, or another moment of a recording: no line of the old one is on the charts any more. */
+  /** Clears all lines, for another flight or for another moment of a recording. */
   clear(): void {
     this.view.clear(this.recording !== null);
     this.expired = true;
   }
 
-  /** Draws what is due. */
+  /** Draws the charts that are due in this frame. */
   frame(now: number): void {
     if (this.store.hello === null) return;
     if (this.panels.hasSpectrum() !== this.spectrum) this.sync(false);
@@ -146,19 +146,19 @@ export class ChartColumn {
     this.frameAt = now;
   }
 
-  /** Shows the moment of an event, held; false if it left the history. */
+  /** Pauses the charts at the moment of an event; returns false if this moment has left the history. */
   showEvent({ tick }: EventInfo): boolean {
     const { history } = this.store;
     if (!history.holds(tick)) {
-      const kept = history.length === 0 ? "nothing yet" : `${this.store.timeOf(history.first).toFixed(1)} s to ${this.store.timeOf(history.last).toFixed(1)} s`;
-      notify("info", `that moment is not in the history of the charts; they keep ${kept}`);
+      const kept = history.length === 0 ? "no tick yet" : `${this.store.timeOf(history.first).toFixed(1)} s to ${this.store.timeOf(history.last).toFixed(1)} s`;
+      notify("info", `this moment is not in the history of the charts, which has ${kept}`);
       return false;
     }
     this.view.show(this.store.timeOf(tick));
     return true;
   }
 
-  /** What the charts show, for tests. */
+  /** The content of the charts, for tests. */
   shown = (): { key: string; title: string; visible: boolean; series: SeriesReading[] }[] => {
     const time = this.cursorTime();
     return this.panels.list.map((panel) => ({ key: panel.spec.key, title: panel.spec.title, visible: panel.visible, series: panel.readings(time) }));
@@ -173,7 +173,7 @@ export class ChartColumn {
     return this.current === null ? null : this.view.cursor(this.current.span);
   }
 
-  /** Charts to draw in this frame; what the operator touched is answered twice as fast. */
+  /** Number of charts to draw in this frame; after an input of the operator it is twice as large. */
   private budget(now: number, touched: boolean): number {
     const spread = SPREAD_MS[this.software ? "software" : "hardware"] / (touched ? 2 : 1);
     const visible = this.panels.list.filter((panel) => panel.visible).length;
@@ -204,7 +204,7 @@ export class ChartColumn {
     panel.point(this.view.cursor(frame.span));
   }
 
-  /** Puts the cursor of every chart to the shared one, with the values there. */
+  /** Moves the cursor of every chart to the shared cursor and writes the values there. */
   private point(frame: Frame, now: number): void {
     const time = this.view.cursor(frame.span);
     if (Object.is(time, this.cursor)) return;
@@ -215,7 +215,7 @@ export class ChartColumn {
     this.onCursor(time === null ? null : this.store.tickAt(time));
   }
 
-  /** The values at the cursor, the newest without one. */
+  /** Writes the values at the cursor, or the newest ones without a cursor. */
   private write(frame: Frame, now: number): void {
     const time = this.view.cursor(frame.span);
     this.panels.list.filter(({ visible }) => visible).forEach((panel) => panel.write(time, now));
@@ -232,7 +232,7 @@ export class ChartColumn {
     this.expired = true;
   }
 
-  /** The operator changed what is to be seen. */
+  /** Saves and shows the arrangement after the operator has changed it. */
   private changed(): void {
     save(this.arrangement);
     this.sync(false);
@@ -259,7 +259,7 @@ export class ChartColumn {
 
   private add(): void {
     const own = addOwn(this.arrangement);
-    if (own === null) return notify("warning", "there are as many own charts as there can be: remove one first");
+    if (own === null) return notify("warning", "no more charts of your own are possible: remove one first");
     this.changed();
     this.edit(own);
   }
@@ -286,7 +286,7 @@ export class ChartColumn {
     this.tip.show(event === null ? null : this.timeline.marksAt(this.columnX(event)), event?.clientX ?? 0, event?.clientY ?? 0);
   }
 
-  /** A click on a chart puts the cursor there; on a mark, on the mark. */
+  /** A click on a chart puts the cursor at the pointer; a click on a mark puts it on the mark. */
   private click(event: PointerEvent): void {
     if (this.clickMark(event) || !this.view.inspecting) return;
     const time = this.cursorTime();
@@ -301,7 +301,7 @@ export class ChartColumn {
     return true;
   }
 
-  /** Says what is under the cursor once it rests: of the chart in focus, else of the first. */
+  /** Tells screen readers the values at the cursor once it rests: those of the chart with the focus, else of the first chart. */
   private speakSoon(): void {
     clearTimeout(this.speech);
     this.speech = window.setTimeout(() => {
@@ -319,7 +319,7 @@ export class ChartColumn {
     if (frame === null) return;
     this.panels.list.forEach((panel) => this.draw(panel, frame));
     this.panels.list.forEach((panel) => panel.write(this.view.cursor(frame.span), now));
-    // uPlot draws when the current task is done.
+    // uPlot draws after the current task, so the picture is taken later.
     setTimeout(() => savePng(this.store, frame, this.panels.list, this.timeline.picture(), this.colors), 0);
   }
 }

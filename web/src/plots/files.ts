@@ -1,4 +1,4 @@
-// Hands the operator what the charts show, as files.
+// Saves the content of the charts as files.
 import { csvOf } from "../data/csv";
 import type { Store } from "../data/store";
 import { notify } from "../panels/notices";
@@ -9,7 +9,7 @@ import type { Panel } from "./panel";
 import { compose, download, fileStem } from "./picture";
 import type { Span } from "./view";
 
-/** Every tick in `span` of every channel shown, physical units. */
+/** Saves every tick in `span` of every channel shown, in physical units. */
 export function saveCsv(store: Store, span: Span, panels: Panel[]): void {
   const names = [...new Set(panels.flatMap(({ spec }) => spec.series.map(({ channel }) => channel)))];
   const columns = names.flatMap((name) => {

@@ -1,4 +1,4 @@
-// The line under the charts: live or inspecting, always in the same place.
+// The line under the charts. It tells whether the charts follow the flight or are inspected, always in the same place.
 import { byId, setText } from "../panels/dom";
 import type { View } from "./view";
 

@@ -1,5 +1,5 @@
-// One round of drawing: what every chart of the column is drawn from, taken at one moment, so that all of them show the
-// same stretch although they are drawn one after the other.
+// The data of one round of drawing, taken at one moment. All charts of the column therefore show the same stretch, although they
+// are drawn one after the other.
 import { bucketTicks } from "../data/decimate";
 import { spansAbove, touching, within } from "../data/spans";
 import type { Store } from "../data/store";
@@ -9,13 +9,13 @@ import type { Span, View } from "./view";
 export interface Frame {
   /** Stretch shown, s. */
   span: Span;
-  /** First tick drawn and the one after the last. */
+  /** The first tick drawn, and the tick after the last one drawn. */
   ticks: [number, number];
-  /** Newest tick at that moment. */
+  /** Newest tick at the moment of the round. */
   newest: number;
   bucket: number;
   zscore: boolean;
-  /** What happened in the stretch, oldest first. */
+  /** Marks in the stretch, oldest first. */
   marks: Mark[];
   /** Times of covariance resets, s. */
   resets: number[];
@@ -23,11 +23,11 @@ export interface Frame {
   frozen: Span[];
   range: Span | null;
   markers: number[];
-  /** Where a forecast begins, s; null if none is shown. */
+  /** Time at which the forecast begins, s; null if no forecast is shown. */
   now: number | null;
 }
 
-/** Takes the state of things; `width` is that of a plot, px. */
+/** Takes the data of a round; `width` is the width of a plot, px. */
 export function takeFrame(store: Store, view: View, width: number, zscore: boolean, unmarked: string[]): Frame {
   const span = view.span();
   const ticks: [number, number] = [store.tickAt(span[0]) - 1, store.tickAt(span[1]) + 2];
@@ -51,7 +51,7 @@ export function takeFrame(store: Store, view: View, width: number, zscore: boole
   };
 }
 
-/** The range of the statistics: what is shown as far as an end is not set; null if neither is. */
+/** The range of the statistics. An end that is not set is the end of the stretch shown; null if neither end is set. */
 export function rangeOf(view: View): Span | null {
   const { from, to } = view.range;
   if (from === null && to === null) return null;

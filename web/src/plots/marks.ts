@@ -1,5 +1,5 @@
-// What is drawn behind and over the lines: stretches without adaptation or without data, what happened, limits, and
-// where a value is unknown.
+// Draws behind and over the lines of a chart: stretches with a frozen adapter or lost ticks, marks, limits, and stretches with
+// unknown values.
 import uPlot from "uplot";
 import type { Sample } from "../data/decimate";
 import type { ChartColors } from "./colors";
@@ -9,12 +9,12 @@ import type { Bounds } from "./range";
 import type { Span } from "./view";
 
 const RAIL_PX = 3;
-/** Lines closer than this are one, px. */
+/** Reset lines that are closer together than this are drawn as one, px. */
 const LINES_APART_PX = 2;
 const ICONS_APART_PX = 12;
 const SMALL_FONT = "system-ui, DejaVu Sans, sans-serif";
 
-/** Frozen stretches (hatched), lost ticks (a solid band) and the range of the statistics. */
+/** Draws stretches with a frozen adapter (hatched), lost ticks (a solid band) and the range of the statistics. */
 export function drawBehind(plot: uPlot, frame: Frame, colors: ChartColors, words: boolean): void {
   const { ctx, bbox } = plot;
   const ratio = uPlot.pxRatio;
@@ -43,7 +43,7 @@ export function drawBehind(plot: uPlot, frame: Frame, colors: ChartColors, words
   ctx.restore();
 }
 
-/** Fills `span` over the whole height, at least `least` wide; returns the width in view, canvas px. */
+/** Fills `span` over the whole height, at least `least` canvas px wide; returns the visible width, canvas px. */
 function band(plot: uPlot, [from, to]: Span, least: number): number {
   const { ctx, bbox } = plot;
   const left = Math.max(bbox.left, plot.valToPos(from, "x", true));
@@ -76,7 +76,7 @@ function hatching(ctx: CanvasRenderingContext2D, color: string, ratio: number): 
   return ctx.createPattern(tile, "repeat") ?? color;
 }
 
-/** A line for every mark, in the pattern of its kind; resets carry their icon where asked, a `forecast` begins at a line. */
+/** Draws a line for every mark in the pattern of its kind, resets with their icon if `resetIcon`, and the begin of a `forecast`. */
 export function drawMarks(plot: uPlot, frame: Frame, colors: ChartColors, resetIcon: boolean, forecast: boolean): void {
   const { ctx } = plot;
   const ratio = uPlot.pxRatio;
@@ -106,7 +106,7 @@ export function markColor({ kind }: Mark, colors: ChartColors): string {
   return tone === undefined ? colors.muted : colors[tone];
 }
 
-/** Strokes a vertical line at `time`, `headroom` px below the top; false if it is out of view. */
+/** Draws a vertical line at `time`, `headroom` px below the top; returns false if it is out of view. */
 function vertical(plot: uPlot, time: number, headroom: number): boolean {
   const { ctx, bbox } = plot;
   const x = Math.round(plot.valToPos(time, "x", true)) + 0.5;
@@ -118,7 +118,7 @@ function vertical(plot: uPlot, time: number, headroom: number): boolean {
   return true;
 }
 
-/** A dashed line at every reset in view, with its icon where asked. */
+/** Draws a dashed line at every reset in view, with its icon if `icon`. */
 function drawResets(plot: uPlot, times: number[], color: string, icon: boolean): void {
   const { ctx, bbox } = plot;
   const ratio = uPlot.pxRatio;
@@ -144,7 +144,7 @@ function drawResets(plot: uPlot, times: number[], color: string, icon: boolean):
   ctx.restore();
 }
 
-/** Limits as dashed lines in the colour of set-points, each with its word. */
+/** Draws limits as dashed lines in the colour of set-points, each with its name. */
 export function drawLimits(plot: uPlot, limits: Bounds[], colors: ChartColors): void {
   const { ctx, bbox } = plot;
   const ratio = uPlot.pxRatio;
@@ -168,7 +168,7 @@ export function drawLimits(plot: uPlot, limits: Bounds[], colors: ChartColors): 
   ctx.restore();
 }
 
-/** A rail at the foot of the chart, the `place`-th from below, wherever a value is unknown, lost ticks apart. */
+/** Draws a bar at the foot of the chart, the `place`-th from below, where values are unknown for another reason than lost ticks. */
 export function drawUnknown(plot: uPlot, x: number[], values: Sample[], place: number, color: string, gaps: Span[]): void {
   const { ctx, bbox } = plot;
   const ratio = uPlot.pxRatio;
@@ -183,7 +183,7 @@ export function drawUnknown(plot: uPlot, x: number[], values: Sample[], place: n
   ctx.restore();
 }
 
-/** Stretches of x over which `values` are null, each from its first null to its last; nulls inside `gaps` do not count. */
+/** Stretches of x in which `values` are null, each from its first to its last null. Nulls inside `gaps` do not count. */
 export function unknownSpans(x: number[], values: Sample[], gaps: Span[] = []): Span[] {
   const spans: Span[] = [];
   let open: Span | null = null;

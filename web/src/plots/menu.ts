@@ -1,10 +1,10 @@
-// The list of charts and marks to show, under the button "Charts".
+// The list under the button "Charts", in which the operator chooses the charts and marks to show.
 import { EVENT_KINDS } from "../data/eventKinds";
 import { byId, element } from "../panels/dom";
 import type { Arrangement, OwnChart } from "./arrangement";
 
 export interface MenuActions {
-  /** Something was chosen: keep it and show it. */
+  /** Saves and shows the new choice. */
   changed(): void;
   edit(own: OwnChart): void;
   add(): void;
@@ -28,7 +28,7 @@ export class ChartMenu {
     });
   }
 
-  /** Lists `charts`, the own ones with a way to change them. */
+  /** Lists `charts`; the operator's own charts get a button to edit them. */
   rebuild(charts: MenuChart[], arrangement: Arrangement): void {
     const { actions } = this;
     const shown = charts.map(({ key, title }) => {
@@ -56,7 +56,7 @@ export class ChartMenu {
   }
 }
 
-/** A box that is ticked while `key` is not in the list `off`. */
+/** A check box that is ticked while `key` is not in the list `off`. */
 function toggle(text: string, off: string[], key: string, actions: MenuActions): HTMLLabelElement {
   const box = element("input", { type: "checkbox", checked: !off.includes(key), value: key });
   box.addEventListener("change", () => {

@@ -1,4 +1,4 @@
-// How uPlot is set up for a chart of the column: no legend, no own pointer handling, ranges given from outside.
+// The options of uPlot for a chart of the column: no legend, no pointer handling by uPlot, and ranges from the column.
 import uPlot from "uplot";
 import { clockSplits } from "./clock";
 import type { Bounds } from "./range";
@@ -6,13 +6,13 @@ import type { ChartColors } from "./colors";
 import type { ChartSpec, SeriesSpec } from "./spec";
 
 const AXIS_FONT = "11px system-ui, DejaVu Sans, sans-serif";
-/** Width of the value axis and room to the right, px: the timeline below has the same. */
+/** Width of the value axis, px. The timeline below the charts leaves the same room. */
 export const AXIS_WIDTH_PX = 46;
 export const RIGHT_PX = 14;
-/** Smallest distance of the labels of the clock, px. */
+/** Smallest distance between the labels of the time axis, px. */
 export const CLOCK_APART_PX = 64;
 
-/** Smallest distance of the labels of a value axis, px. */
+/** Smallest distance between the labels of a value axis, px. */
 const LABEL_APART_PX = 15;
 
 export interface ChartSource {
@@ -22,7 +22,7 @@ export interface ChartSource {
   drawOver(plot: uPlot): void;
 }
 
-/** Width and height of the plotting area, px, without asking the browser for a layout. */
+/** Width and height of the plotting area, px. They come from uPlot, so the browser need not compute its layout. */
 export function plotSize({ bbox }: uPlot): [number, number] {
   return [bbox.width / uPlot.pxRatio, bbox.height / uPlot.pxRatio];
 }
@@ -67,7 +67,7 @@ export function chartOptions(spec: ChartSpec, series: SeriesSpec[], colors: Char
   };
 }
 
-/** The area between two lines, counted as uPlot counts them: x is 0. Null if either is not there. */
+/** The two lines that bound an area, as uPlot numbers them (x is 0); null if either line is missing. */
 function bandOf(spec: ChartSpec, series: SeriesSpec[]): [number, number] | null {
   if (spec.band === undefined || series.length < spec.series.length) return null;
   const [upper, lower] = spec.band;
@@ -94,7 +94,7 @@ function axes(spec: ChartSpec, colors: ChartColors, source: ChartSource): uPlot.
   ];
 }
 
-/** Only powers of ten are labelled on a logarithmic axis, and of many decades only so many that there is room. */
+/** Keeps the labels at powers of ten on a logarithmic axis, and of these only as many as there is room for. */
 function decadesOnly(plot: uPlot, splits: number[]): (number | null)[] {
   const { min, max } = plot.scales["y"] ?? {};
   const decades = Math.max(1, Math.log10((max ?? 10) / (min ?? 1)));

@@ -1,4 +1,4 @@
-// What the column asks of anything it stacks: charts over time, and the bars of the spectrum.
+// The interface of the panels in the column: charts over time, and the bars of the spectrum.
 import type { Frame } from "./frame";
 import type { Bounds } from "./range";
 import type { ChartSpec } from "./spec";
@@ -7,13 +7,13 @@ export interface SeriesReading {
   channel: string;
   label: string;
   value: number;
-  /** Smallest and largest value drawn; null for none. */
+  /** Smallest and largest value drawn; null if there is none. */
   plotted: Bounds | null;
-  /** Points at which the line is broken. */
+  /** Number of points at which the line is broken. */
   breaks: number;
 }
 
-/** What an exported picture shows of a panel. */
+/** The parts of a panel that an exported picture shows. */
 export interface Picture {
   title: string;
   entries: { label: string; text: string; color: string; dash: number[] }[];
@@ -23,19 +23,19 @@ export interface Picture {
 export interface Panel {
   readonly spec: ChartSpec;
   readonly root: HTMLElement;
-  /** Where the pointer moves the shared cursor; null if it does not. */
+  /** The element over which the pointer moves the shared cursor; null if the panel has no time axis. */
   readonly over: HTMLElement | null;
-  /** On the screen: worth drawing. */
+  /** Whether the panel is on the screen, so that it must be drawn. */
   visible: boolean;
-  /** Round it was drawn in last. */
+  /** The last round in which the panel was drawn. */
   round: number;
   refresh(frame: Frame): void;
-  /** Puts the cursor at `time`; null: none. */
+  /** Puts the cursor at `time`; null hides it. */
   point(time: number | null): void;
-  /** Writes the values at `time` into the heading, the newest for null. */
+  /** Writes the values at `time` into the heading; for null the newest values. */
   write(time: number | null, now: number): void;
   select(part: [number, number] | null): void;
-  /** What is drawn, and the values at `time`, the newest for null. */
+  /** The lines as drawn, and their values at `time`; for null the newest values. */
   readings(time: number | null): SeriesReading[];
   sentence(time: number | null): string;
   picture(): Picture;

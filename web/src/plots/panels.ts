@@ -1,4 +1,4 @@
-// The panels of the column, kept as long as what they show stays the same: a chart is never built anew for data.
+// The panels of the column. A panel is kept as long as it shows the same channels; new data never build a chart anew.
 import type { Store } from "../data/store";
 import { element } from "../panels/dom";
 import type { Arrangement } from "./arrangement";
@@ -9,7 +9,7 @@ import { type ChartSpec, chartSpecs, ownSpec, SPECTRUM } from "./spec";
 import { SpectrumBars } from "./spectrum";
 
 export interface PanelActions {
-  /** A panel came into being. */
+  /** Called with each new panel. */
   made(panel: Panel): void;
   toggleZscore(): void;
 }
@@ -27,7 +27,7 @@ export class Panels {
     private readonly actions: PanelActions,
   ) {}
 
-  /** Charts that can be shown: those of the console, then the operator's own. */
+  /** All available charts: those of the console, then the operator's own. */
   specs(arrangement: Arrangement): ChartSpec[] {
     const { hello } = this.store;
     const channels = hello?.channels ?? [];
@@ -35,12 +35,12 @@ export class Panels {
     return [...standard, ...arrangement.own.map((own) => ownSpec(own, channels))];
   }
 
-  /** Telemetry carries a spectrum of more than one number. */
+  /** Whether telemetry has a spectrum of more than one number. */
   hasSpectrum(): boolean {
     return (this.store.newest?.spectrum.length ?? 0) > 1;
   }
 
-  /** Makes the column show what `arrangement` asks for; with `anew` nothing is kept. */
+  /** Shows the charts of `arrangement`; with `anew` all panels are built anew. */
   sync(arrangement: Arrangement, colors: ChartColors, anew: boolean): void {
     const specs = this.specs(arrangement).filter(({ key }) => !arrangement.hidden.includes(key));
     const old = anew ? [] : this.list;
@@ -57,7 +57,7 @@ export class Panels {
     this.list = next;
     const roots = next.map(({ root }) => root);
     const same = roots.length === this.root.children.length && roots.every((root, index) => this.root.children[index] === root);
-    if (!same) this.root.replaceChildren(...(roots.length > 0 ? roots : [element("p", { className: "muted empty", textContent: "No charts chosen: the button Charts lists them." })]));
+    if (!same) this.root.replaceChildren(...(roots.length > 0 ? roots : [element("p", { className: "muted empty", textContent: "No charts are chosen. The button Charts lists them." })]));
     if (this.zscoreButton !== null) this.zscoreButton.ariaPressed = String(arrangement.zscore);
   }
 
@@ -69,11 +69,11 @@ export class Panels {
     return panel;
   }
 
-  /** The switch between physical units and z-scores, where the flight says what a z-score is. */
+  /** The button that switches between physical units and z-scores, if the flight gives the scales of z-scores. */
   private tools(spec: ChartSpec): Node[] {
     const scored = spec.series.some(({ channel }) => (this.store.channel(channel)?.z_scale ?? null) !== null);
     if (spec.zscore !== true || !scored) return [];
-    const button = element("button", { className: "small", textContent: "z-score", title: "Divide by the scale the forecast was trained with", ariaPressed: "false" });
+    const button = element("button", { className: "small", textContent: "z-score", title: "Divide by the scale with which the forecast was trained", ariaPressed: "false" });
     button.addEventListener("click", () => this.actions.toggleZscore());
     this.zscoreButton = button;
     return [button];

@@ -1,11 +1,11 @@
-// Puts a chart together: a search over all channels, and the list of those chosen.
+// The dialog in which an operator composes a chart: a search over all channels, and the list of the chosen ones.
 import { byId, element, setText } from "../panels/dom";
 import type { ChannelInfo } from "../protocol";
 import type { OwnChart } from "./arrangement";
 import { matching } from "./search";
 
 export interface PickerActions {
-  /** Channels or title of the chart have changed. */
+  /** Called when the channels or the title of the chart have changed. */
   changed(own: OwnChart): void;
   remove(own: OwnChart): void;
 }
@@ -34,7 +34,7 @@ export class ChannelPicker {
       this.dialog.close();
       actions.remove(this.own);
     });
-    // What is typed here is no key of the console.
+    // Keys that are typed in this dialog must not start commands of the console.
     this.dialog.addEventListener("keydown", (event) => event.stopPropagation());
     this.search.addEventListener("input", () => this.filter());
     this.search.addEventListener("keydown", (event) => this.key(event));
@@ -96,7 +96,7 @@ export class ChannelPicker {
       const channel = this.found[this.active];
       if (channel !== undefined) this.toggle(channel);
     } else if (event.key === "Escape") {
-      // A search field would only clear itself.
+      // By default Escape only clears a search field.
       this.dialog.close();
     } else return;
     event.preventDefault();
@@ -111,7 +111,7 @@ export class ChannelPicker {
     this.actions.changed(this.own);
   }
 
-  /** Shows what is chosen and which line the arrow keys are at. */
+  /** Marks the chosen channels and the line at which the arrow keys stand. */
   private mark(): void {
     [...this.list.children].forEach((item, index) => {
       item.ariaSelected = String(this.own.channels.includes(this.found[index]?.name ?? ""));

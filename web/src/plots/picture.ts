@@ -1,4 +1,4 @@
-// What is seen, as files: a picture of the charts, and their channels as text.
+// Composes a picture of the charts, and hands files to the browser.
 import { element } from "../panels/dom";
 import { clockText } from "./clock";
 import type { ChartColors } from "./colors";
@@ -8,17 +8,17 @@ import type { Span } from "./view";
 const HEAD_PX = 20;
 const TITLE_PX = 26;
 const SIDE_PX = 10;
-/** Beside the words of a line: its stroke and the room to the next. */
+/** Room for the stroke beside a line's name and for the gap to the next name, px. */
 const ENTRY_PX = 28;
 const FONT = "system-ui, DejaVu Sans, sans-serif";
 
-/** All pictures under one another on the ground of the theme, with a title and the strip of the clock. */
+/** Draws all pictures below one another on the background of the theme, with a title and the timeline. */
 export function compose(title: string, pictures: Picture[], timeline: HTMLCanvasElement, colors: ChartColors): HTMLCanvasElement {
   const ratio = devicePixelRatio;
   const width = Math.max(timeline.width, ...pictures.map(({ canvas }) => canvas.width));
   const sheet = element("canvas", { width, height: 1 });
   const pen = sheet.getContext("2d");
-  if (pen === null) throw new Error("this browser gives no canvas to draw the picture on");
+  if (pen === null) throw new Error("this browser gives no canvas for the picture");
   const lines = pictures.map((picture) => (headWidth(pen, picture, ratio) > width ? 2 : 1));
   const heads = lines.map((count) => count * HEAD_PX * ratio);
   sheet.height = pictures.reduce((sum, { canvas }, k) => sum + canvas.height + (heads[k] ?? 0), TITLE_PX * ratio + timeline.height);
@@ -42,7 +42,7 @@ export function compose(title: string, pictures: Picture[], timeline: HTMLCanvas
 const titleFont = (ratio: number): string => `600 ${12 * ratio}px ${FONT}`;
 const entryFont = (ratio: number): string => `${11 * ratio}px ${FONT}`;
 
-/** Room that title and lines of a chart take beside one another. */
+/** Width that the title and the line names of a chart need in one line, px. */
 function headWidth(pen: CanvasRenderingContext2D, picture: Picture, ratio: number): number {
   pen.font = titleFont(ratio);
   const title = pen.measureText(picture.title).width;
@@ -50,7 +50,7 @@ function headWidth(pen: CanvasRenderingContext2D, picture: Picture, ratio: numbe
   return picture.entries.reduce((sum, { label, text }) => sum + pen.measureText(`${label} ${text}`).width + ENTRY_PX * ratio, title + 2 * SIDE_PX * ratio);
 }
 
-/** Each line of a chart with its value, from the right. */
+/** Draws the name and the value of each line of a chart, beginning at the right. */
 function entries(pen: CanvasRenderingContext2D, picture: Picture, y: number, width: number, ratio: number, colors: ChartColors): void {
   let right = width - SIDE_PX * ratio;
   for (const { label, text, color, dash } of [...picture.entries].reverse()) {
@@ -73,7 +73,7 @@ function write(pen: CanvasRenderingContext2D, text: string, x: number, y: number
   return pen.measureText(text).width;
 }
 
-/** `hover_12.5s-32.5s`: scenario and stretch, fit for the name of a file. */
+/** Scenario and stretch as the stem of a file name, for example `hover_12.5s-32.5s`. */
 export function fileStem(scenario: string, [from, to]: Span): string {
   return `${scenario}_${clockText(from)}-${clockText(to)}`.replaceAll(" ", "").replaceAll("−", "-");
 }

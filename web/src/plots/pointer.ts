@@ -1,15 +1,15 @@
-// The pointer over a chart: it moves the shared cursor, a drag zooms, a wheel with Ctrl or Shift zooms or pans.
+// The pointer over a chart. It moves the shared cursor; a drag zooms; a wheel zooms with Ctrl and pans with Shift.
 import type { View } from "./view";
 
-/** A shorter way is a click, px. */
+/** A shorter movement is a click, px. */
 const DRAG_FROM_PX = 5;
 const WHEEL_ZOOM = 1.2;
 const WHEEL_PAN = 0.1;
 
 export interface PointerActions {
-  /** The stretch a drag has chosen so far, as parts of the width; null when it is over. */
+  /** Takes the stretch that a drag has selected so far, as parts of the width; null when the drag is over. */
   select(part: [number, number] | null): void;
-  /** The pointer is here; null when it is gone. */
+  /** Takes the event of the pointer over the chart; null when the pointer has left. */
   hover(event: PointerEvent | null): void;
   click(event: PointerEvent): void;
 }
@@ -72,7 +72,7 @@ function ordered(a: number, b: number): [number, number] {
   return a <= b ? [a, b] : [b, a];
 }
 
-/** Dragging the strip under the charts moves the stretch shown. */
+/** Listens to drags of the timeline under the charts, which pan the stretch shown. */
 export function listenPan(strip: HTMLElement, view: View, widthOf: () => number, actions: Omit<PointerActions, "select">): void {
   let last: number | null = null;
   let moved = 0;

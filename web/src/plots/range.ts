@@ -1,15 +1,15 @@
-// Value ranges that stay put. A range grows at once when a value leaves it, and shrinks only when the values need less
-// than a third of it, so an axis does not breathe with every redraw.
+// Stable value ranges. A range grows at once when a value leaves it, and shrinks only when the values need less than a third of
+// it, so an axis does not change with every redraw.
 import type { Sample } from "../data/decimate";
 
 export type Bounds = [number, number];
 
 const SHRINK_BELOW = 0.33;
 const PADDING = 0.08;
-/** Decades a logarithmic range keeps although no value needs them: a value on the edge of one must not rock the axis. */
+/** A logarithmic range keeps up to this many decades that no value needs, so that a value near a power of ten does not make it jump. */
 const SPARE_DECADES = 1;
 
-/** Smallest and largest value of `series`, of the positive ones alone if asked; null if there is none. */
+/** Smallest and largest value of `series`, or of its positive values if `positiveOnly`; null if there is none. */
 export function boundsOf(series: Sample[][], positiveOnly: boolean): Bounds | null {
   let low = Infinity;
   let high = -Infinity;
@@ -49,14 +49,14 @@ export function decadeRange(previous: Bounds | null, bounds: Bounds | null): Bou
   return [10 ** low, 10 ** high];
 }
 
-/** The 1-2-5 number next above `step`. */
+/** The smallest number of the series 1, 2, 5, 10, … that is not below `step`. */
 export function niceStep(step: number): number {
   const decade = 10 ** Math.floor(Math.log10(step));
   const factor = [1, 2, 5, 10].find((f) => f * decade >= step * (1 - 1e-9)) ?? 10;
   return factor * decade;
 }
 
-/** A value in at most seven characters; a dash when it is unknown. */
+/** A value in at most seven characters; a dash if it is unknown. */
 export function formatValue(value: number | null | undefined): string {
   if (value === null || value === undefined || Number.isNaN(value)) return "—";
   if (!Number.isFinite(value)) return value > 0 ? "∞" : "−∞";

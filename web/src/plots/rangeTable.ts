@@ -1,4 +1,4 @@
-// Smallest, mean, largest and root mean square of every line shown, over the range between I and O.
+// The table with the minimum, mean, maximum and root mean square of every line shown, over the range between I and O.
 import { statistics } from "../data/statistics";
 import type { Store } from "../data/store";
 import { byId, element } from "../panels/dom";
@@ -32,7 +32,7 @@ export class RangeTable {
     this.root.replaceChildren(element("header", {}, [this.title, close]), element("div", { className: "range-rows", tabIndex: 0 }, [table]));
   }
 
-  /** Shows the statistics over `range`, hides itself for null. */
+  /** Shows the statistics over `range`; null hides the table. */
   show(range: Span | null, panels: Panel[]): void {
     this.root.hidden = range === null;
     if (range === null) {

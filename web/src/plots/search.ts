@@ -1,8 +1,8 @@
-// Which channels an operator means by a few letters.
+// Finds channels by words that an operator types.
 import type { ChannelInfo } from "../protocol";
 import { symbolOf } from "./spec";
 
-/** Channels that have every word of `query` in their name, label, group, unit or symbol; all of them for no words. */
+/** Channels with every word of `query` in their name, label, group, unit or symbol; all channels if there are no words. */
 export function matching(channels: ChannelInfo[], query: string): ChannelInfo[] {
   const words = plain(query).split(/\s+/).filter((word) => word !== "");
   return channels.filter((channel) => {
@@ -12,7 +12,7 @@ export function matching(channels: ChannelInfo[], query: string): ChannelInfo[] 
   });
 }
 
-/** Without case, and with digits for subscripts. */
+/** The text in lower case, and with digits in place of subscripts. */
 function plain(text: string): string {
   return text.normalize("NFKC").toLowerCase();
 }

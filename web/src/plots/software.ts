@@ -1,16 +1,16 @@
-// Without a graphics card every 2-D canvas that is not marked as read back goes through the software rasteriser and takes
-// the page's frames: 6 frames/s against 42 with five charts. And a canvas of the page itself is copied and composed anew
-// with every frame of the page, drawn on or not; one whose control was handed over is when it was drawn on only.
+// Makes 2-D canvases fast without a graphics card. There a canvas without the option `willReadFrequently` goes through the software
+// rasteriser and slows the page down: 6 frames/s against 42 with five charts. The browser also copies and composes a canvas of the
+// page in every frame, even if nothing was drawn on it. It copies a canvas whose control was transferred only after drawing.
 
 type Pen = CanvasRenderingContext2D;
 type GetContext = (this: HTMLCanvasElement, kind: string, options?: object) => RenderingContext | null;
 
 const pens = new WeakMap<HTMLCanvasElement, Pen>();
 let patched = false;
-/** Canvases that ask for a context now are shown. */
+/** Whether canvases that now get a context will be shown on the page. */
 let shown = false;
 
-/** Marks every 2-D context created from now on as read back. Call before the first chart. */
+/** Sets `willReadFrequently` for every 2-D context that is created from now on. Call it before the first chart is made. */
 export function preferProcessorCanvas(): void {
   if (patched) return;
   patched = true;
@@ -23,12 +23,12 @@ export function preferProcessorCanvas(): void {
   prototype.getContext = marking as typeof prototype.getContext;
 }
 
-/** What draws on `canvas`, which is shown and never read by its element. */
+/** The context that draws on `canvas`; the canvas is shown, and nothing reads its pixels through its element. */
 export function penOf(canvas: HTMLCanvasElement): Pen | null {
   return showing(() => canvas.getContext("2d"));
 }
 
-/** Runs `make`, which makes canvases that are shown. */
+/** Runs `make`, which makes canvases that will be shown on the page. */
 export function showing<T>(make: () => T): T {
   shown = true;
   try {
@@ -38,12 +38,12 @@ export function showing<T>(make: () => T): T {
   }
 }
 
-/** Draws on the canvas that stands behind `canvas`; sizes set on the element are those of that one. */
+/** The context of the offscreen canvas behind `canvas`. Width and height of the element read and set those of the offscreen canvas. */
 export function handedOver(canvas: HTMLCanvasElement, options: object = {}): Pen | null {
   const known = pens.get(canvas);
   if (known !== undefined) return known;
   const behind = canvas.transferControlToOffscreen();
-  // The two kinds of context draw alike.
+  // The contexts of both kinds of canvas have the same drawing methods.
   const pen = behind.getContext("2d", { ...options, willReadFrequently: true }) as unknown as Pen | null;
   for (const side of ["width", "height"] as const) {
     Object.defineProperty(canvas, side, { get: () => behind[side], set: (pixels: number) => (behind[side] = pixels) });

@@ -1,5 +1,5 @@
-// What each chart shows. Estimates are vermilion, set-points and limits bluish green and dashed; a line's kind never
-// rests on its colour alone.
+// The content of each chart. Estimates are vermilion; set-points and limits are bluish green and dashed, so that a reader can tell
+// them apart without colours.
 import type { ChannelInfo } from "../protocol";
 import type { OwnChart } from "./arrangement";
 import type { ChartColors } from "./colors";
@@ -8,12 +8,12 @@ import { SERIES_COLORS, SERIES_DASHES } from "./colors";
 export interface SeriesSpec {
   channel: string;
   label: string;
-  /** A colour of its own, or the place in the list of colours. */
+  /** A named colour, or an index into the list of colours. */
   color: Exclude<keyof ChartColors, "series"> | number;
   dash?: number[];
-  /** Drawn as steps: a value that is set, not measured. */
+  /** Whether the line is drawn as steps, because the value is set and not measured. */
   stepped?: boolean;
-  /** A forecast: drawn as far ahead as it speaks of. */
+  /** Whether the line is a forecast, which is drawn at the times that it predicts. */
   ahead?: boolean;
 }
 
@@ -21,30 +21,30 @@ export interface ChartSpec {
   key: string;
   title: string;
   logarithmic?: boolean;
-  /** Resets carry their icon here; everywhere else the dashed line is enough. */
+  /** Whether resets have their icon on this chart; on the other charts they have a dashed line only. */
   resetIcon?: boolean;
-  /** Values may be shown as z-scores. */
+  /** Whether values may be shown as z-scores. */
   zscore?: boolean;
-  /** Area between two of the series, by their places: upper, lower. */
+  /** Indices of the two series that bound a filled area: upper, lower. */
   band?: [number, number];
-  /** More height than the others. */
+  /** Whether the chart is taller than the others. */
   tall?: boolean;
-  /** Smaller changes are not worth the height of the chart, in the chart's unit. */
+  /** Smallest span of the value axis, in the chart's unit, so that noise does not fill the chart. */
   smallestSpan: number;
   series: SeriesSpec[];
 }
 
-/** Key of the bar view of the newest spectrum: it is no chart over time. */
+/** Key of the panel with the newest spectrum as bars, which has no time axis. */
 export const SPECTRUM = "spectrum";
 
 const SYMBOLS: Record<string, string> = { phi: "φ", theta: "θ", psi: "ψ", q1: "q₁", q2: "q₂" };
 
-/** The coordinate's symbol. */
+/** Symbol of a coordinate. */
 export function symbolOf(row: string): string {
   return SYMBOLS[row] ?? row;
 }
 
-/** The charts of the console for one row of the coordinates, the most important first; beside a recording nothing is controlled. */
+/** The console's charts for one coordinate, the most important first. A mirrored recording has no charts of the controller. */
 export function chartSpecs(row: string, channels: ChannelInfo[], mirrored = false): ChartSpec[] {
   const known = new Set(channels.map(({ name }) => name));
   return [...forecastSpecs(row), ...(mirrored ? mirrorSpecs(row) : controlSpecs(row)), ...adapterSpecs(), ...(mirrored ? [] : bodySpecs(channels))]
@@ -52,7 +52,7 @@ export function chartSpecs(row: string, channels: ChannelInfo[], mirrored = fals
     .filter(({ key, series }) => series.length > 0 || key === SPECTRUM);
 }
 
-/** Forecast and adapter. */
+/** Charts of the forecast and the adapter. */
 function forecastSpecs(row: string): ChartSpec[] {
   return [
     {
@@ -95,7 +95,7 @@ function forecastSpecs(row: string): ChartSpec[] {
   ];
 }
 
-/** How far the vehicle is from where it should be. */
+/** Chart of the error of one coordinate and of the position. */
 function errorSpec(row: string, title: string): ChartSpec {
   return {
     key: "tracking",
@@ -108,12 +108,12 @@ function errorSpec(row: string, title: string): ChartSpec {
   };
 }
 
-/** A recording: the vehicle should be where the twin expected it. */
+/** Charts of a mirrored recording: the difference between the vehicle and the twin. */
 function mirrorSpecs(row: string): ChartSpec[] {
   return [errorSpec(row, "Divergence from the twin")];
 }
 
-/** Controller. */
+/** Charts of the controller. */
 function controlSpecs(row: string): ChartSpec[] {
   return [
     errorSpec(row, "Tracking error"),
@@ -129,7 +129,7 @@ function controlSpecs(row: string): ChartSpec[] {
   ];
 }
 
-/** The adapter in depth. */
+/** Charts with details of the adapter. */
 function adapterSpecs(): ChartSpec[] {
   return [
     { key: SPECTRUM, title: "Spectrum of Σ, newest", smallestSpan: 1, series: [] },
@@ -147,7 +147,7 @@ function adapterSpecs(): ChartSpec[] {
   ];
 }
 
-/** Actuators, and what the forecast looks at. */
+/** Charts of the actuators and of the predictor's attention. */
 function bodySpecs(channels: ChannelInfo[]): ChartSpec[] {
   const named = (prefix: string): ChannelInfo[] => channels.filter(({ name }) => name.startsWith(prefix));
   const many = (list: ChannelInfo[], label: (channel: ChannelInfo) => string): SeriesSpec[] =>
@@ -160,13 +160,13 @@ function bodySpecs(channels: ChannelInfo[]): ChartSpec[] {
   ];
 }
 
-/** The chart an operator put together; channels that the flight does not have are left out. */
+/** The chart that an operator composed, without channels that the flight does not have. */
 export function ownSpec(own: OwnChart, channels: ChannelInfo[]): ChartSpec {
   const known = own.channels.flatMap((name) => channels.find((channel) => channel.name === name) ?? []);
   return { key: own.key, title: own.title, smallestSpan: 1e-3, series: known.map((channel, k) => ({ ...coloured(channel.name, shortName(channel), k), ahead: channel.name.startsWith("ahead.") })) };
 }
 
-/** A name short enough for the heading of a chart: the label, with the coordinate's symbol. */
+/** A short name for the heading of a chart: the label, with the symbol of the coordinate in place of its name. */
 function shortName({ label, row }: ChannelInfo): string {
   return row === null ? label : label.replace(new RegExp(`\\b${row}\\b`), symbolOf(row));
 }

@@ -1,5 +1,5 @@
-// The newest eigenvalues of the adapter's covariance as bars, largest first, on a logarithmic axis. It has no history:
-// telemetry carries one spectrum per frame.
+// The panel with the newest eigenvalues of the adapter's covariance as bars, largest first, on a logarithmic axis. It has no
+// history, because telemetry has one spectrum per frame.
 import type { Store } from "../data/store";
 import { element, setText } from "../panels/dom";
 import type { ChartColors } from "./colors";

@@ -1,4 +1,4 @@
-// The strip under the charts: the glyphs of what happened, the labels of the shared clock, and the time at the cursor.
+// The timeline under the charts: the glyphs of marks, the labels of the shared time axis, and the time at the cursor.
 import { byId, element, setText } from "../panels/dom";
 import { type Cluster, clusters, markKind } from "./clusters";
 import { clockSplits, clockText } from "./clock";
@@ -10,7 +10,7 @@ import { penOf } from "./software";
 
 const GLYPH_ROW_PX = 17;
 const GLYPHS_APART_PX = 14;
-/** A pointer this close to a glyph or to its line means it, px. */
+/** A pointer that is this close to a glyph or to its line points at it, px. */
 const REACH_PX = 6;
 const FONT = "system-ui, DejaVu Sans, sans-serif";
 
@@ -48,7 +48,7 @@ export class Timeline {
     this.at.style.transform = `translateX(calc(${x.toFixed(1)}px - 50%))`;
   }
 
-  /** The marks a pointer at `x` px of the column means; null for none. */
+  /** The marks at which a pointer at `x` px of the column points; null if there are none. */
   marksAt(x: number): Cluster | null {
     let best: Cluster | null = null;
     for (const group of this.groups) {
@@ -57,7 +57,7 @@ export class Timeline {
     return best;
   }
 
-  /** Part of the width at `x` px of the column. */
+  /** Position of `x` px of the column as a part of the width of the plots. */
   partAt(x: number): number {
     return (x - AXIS_WIDTH_PX) / this.width;
   }

@@ -1,4 +1,4 @@
-// The sentence of a mark, next to the pointer.
+// The text of a mark, beside the pointer.
 import { byId, element } from "../panels/dom";
 import { type Cluster, markKind } from "./clusters";
 
@@ -8,7 +8,7 @@ export class MarkTip {
   private readonly root = byId("mark-tip");
   private shown: Cluster | null = null;
 
-  /** Shows what `cluster` says at a place of the window, px; null hides it. */
+  /** Shows the texts of `cluster` at a position in the window, px; null hides them. */
   show(cluster: Cluster | null, clientX: number, clientY: number): void {
     if (cluster === null) {
       this.root.hidden = true;

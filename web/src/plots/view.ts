@@ -1,39 +1,39 @@
-// The one clock of all charts: which stretch of time they show, and where the cursor stands. Either the stretch follows
-// the flight, or it is held for inspection while the flight and the recording of its history go on.
+// The shared time axis of all charts: the stretch of time that they show, and their cursor. The stretch follows the flight, or it
+// stands still for inspection while the flight goes on and its history grows.
 
-/** From, to, s. */
+/** A stretch of time: begin and end, s. */
 export type Span = [number, number];
 
-/** What the view has to know of the flight. */
+/** The times of the flight that the view needs. */
 export interface Clock {
   /** Time of the newest tick, s. */
   now(): number;
-  /** Time of the oldest tick held, s. */
+  /** Time of the oldest tick in the history, s. */
   oldest(): number;
 }
 
-/** A stretch shorter than this shows nothing but noise, s. */
+/** Length of the shortest stretch, s; a shorter one would show noise only. */
 const SHORTEST_S = 0.05;
-/** Part of the stretch that is kept free on either side when the cursor leaves it. */
+/** When the cursor leaves the stretch, the stretch follows until this part of it lies beyond the cursor. */
 const MARGIN = 0.1;
 
 export class View {
   /** Length of the stretch that follows the flight, s. */
   windowS = 20;
-  /** How far a forecast reaches beyond the newest tick, s. */
+  /** Time by which a forecast reaches beyond the newest tick, s. */
   leadS = 0;
-  /** Where the cursor was put while inspecting, s. */
+  /** Time at which the operator put the cursor during an inspection, s. */
   pinned: number | null = null;
-  /** Where the pointer stands, as a part of the width. */
+  /** Position of the pointer as a part of the width. */
   pointer: number | null = null;
-  /** In and out point of the statistics, s. */
+  /** Begin and end of the range of the statistics, s. */
   range: { from: number | null; to: number | null } = { from: null, to: null };
-  /** Marks of the operator, s. */
+  /** Times of the operator's marks, s. */
   markers: number[] = [];
-  /** Goes up with every change of what is shown. */
+  /** Number that grows with every change of the view. */
   version = 0;
   private held: Span | null = null;
-  /** What a zoom left behind: null while not zoomed. */
+  /** The view before the zoom, to which `unzoom` returns; null without a zoom. */
   private behind: { held: Span | null } | null = null;
 
   constructor(private readonly clock: Clock) {}
@@ -52,7 +52,7 @@ export class View {
     return [from, from + this.windowS];
   }
 
-  /** Time under the cursor: the pointer's while it is over the charts, else the one put; null for none. */
+  /** Time at the cursor, s: at the pointer while it is over the charts, else where the operator put it; null without a cursor. */
   cursor([from, to]: Span = this.span()): number | null {
     if (this.pointer === null) return this.held === null ? null : this.pinned;
     return from + this.pointer * (to - from);
@@ -68,7 +68,7 @@ export class View {
     this.version += 1;
   }
 
-  /** Holds what is shown; the cursor goes to the newest tick. */
+  /** Stops following the flight, and puts the cursor on the newest tick. */
   hold(): void {
     if (this.held !== null) return;
     this.held = this.span();
@@ -84,7 +84,7 @@ export class View {
     this.version += 1;
   }
 
-  /** Shows the stretch between two times, held. */
+  /** Stops following the flight, and shows the stretch between two times. */
   zoom(a: number, b: number): void {
     const [from, to] = [Math.min(a, b), Math.max(a, b)];
     const half = Math.max(SHORTEST_S, to - from) / 2;
@@ -95,7 +95,7 @@ export class View {
     this.version += 1;
   }
 
-  /** Takes one step back: out of the zoom, else to the flight. False if there was nothing to take back. */
+  /** Leaves the zoom, or without a zoom follows the flight again. Returns false if there was nothing to leave. */
   back(): boolean {
     if (this.behind !== null) this.unzoom();
     else if (this.held !== null) this.live();
@@ -103,7 +103,7 @@ export class View {
     return true;
   }
 
-  /** What was shown before the zoom. */
+  /** Shows the stretch from before the zoom again. */
   unzoom(): void {
     if (this.behind === null) return;
     const { held } = this.behind;
@@ -120,7 +120,7 @@ export class View {
     this.version += 1;
   }
 
-  /** Makes the stretch `factor` as long; the time at the part `at` of the width stays where it is. */
+  /** Multiplies the length of the stretch by `factor`; the time at the part `at` of the width stays in place. */
   scale(factor: number, at: number): void {
     const [from, to] = this.span();
     const length = Math.max(SHORTEST_S, (to - from) * factor);
@@ -128,7 +128,7 @@ export class View {
     this.zoom(middle - at * length, middle + (1 - at) * length);
   }
 
-  /** Puts the cursor on `time` with the stretch around it. */
+  /** Puts the cursor on `time`, in the middle of the stretch. */
   show(time: number): void {
     this.held = this.around(time, this.held === null || this.zoomed ? this.windowS : this.held[1] - this.held[0]);
     this.behind = null;
@@ -149,14 +149,14 @@ export class View {
     this.version += 1;
   }
 
-  /** Puts a mark on `time`, or takes the one within `reach` away. */
+  /** Puts a mark on `time`, or removes a mark within `reach` seconds. */
   toggleMarker(time: number, reach: number): void {
     const near = this.markers.find((marker) => Math.abs(marker - time) <= reach);
     this.markers = near === undefined ? [...this.markers, time].sort((a, b) => a - b) : this.markers.filter((marker) => marker !== near);
     this.version += 1;
   }
 
-  /** Sets one end of the range; an end on the wrong side of the other takes that one away. */
+  /** Sets one end of the range. If the ends are then in the wrong order, the other end is removed. */
   setRange(end: "from" | "to", time: number): void {
     const range = { ...this.range, [end]: time };
     if (range.from !== null && range.to !== null && range.from > range.to) range[end === "from" ? "to" : "from"] = null;
@@ -164,7 +164,7 @@ export class View {
     this.version += 1;
   }
 
-  /** The range, if both of its ends are set. */
+  /** The range, s; null unless both of its ends are set. */
   marked(): { from: number; to: number } | null {
     const { from, to } = this.range;
     return from === null || to === null ? null : { from, to };
@@ -175,7 +175,7 @@ export class View {
     this.version += 1;
   }
 
-  /** Another flight: nothing of the old one is left. Another moment of the same recording: its marks stay. */
+  /** Follows a flight again after a new start. The marks and the range stay only at another moment of the same recording. */
   clear(sameFlight = false): void {
     if (!sameFlight) {
       this.markers = [];
@@ -193,7 +193,7 @@ export class View {
     return this.inside([time - length / 2, time + length / 2]);
   }
 
-  /** `span` moved so that it shows history, if it can: not before the oldest tick, not beyond the newest. */
+  /** `span`, moved so that it does not begin before the oldest tick or end after the newest one, as far as possible. */
   private inside([from, to]: Span): Span {
     const length = to - from;
     const latest = Math.max(this.clock.oldest(), this.clock.now() + this.leadS - length);

@@ -1,9 +1,9 @@
-// The flight as `twin export html` put it into the page: base64 of a gzip of a length, a JSON head of that length and
-// telemetry frames, each after its own length. Lengths are 32 bits, little-endian.
+// Unpacks the flight that `twin export html` put into the page: base64 of a gzip. Its content is a JSON head and telemetry frames,
+// each after its length in bytes (32 bits, little-endian).
 import { decodeTelemetry, type Telemetry } from "../link/decode";
 import type { Hello } from "../protocol";
 
-/** A demand of the scenario that the flight did not keep. */
+/** A demand of the scenario that the flight did not meet. */
 export interface Failure {
   at_s: number;
   text: string;
@@ -20,7 +20,7 @@ export interface Head {
   program: string;
   passed: boolean | null;
   failures: Failure[];
-  /** Where the page opens, s. */
+  /** Time of the flight at which the page opens, s. */
   opens_at_s: number;
 }
 
@@ -31,14 +31,14 @@ export interface Flight {
 
 const LENGTH_BYTES = 4;
 
-/** Unpacks what stands in the page. */
+/** Unpacks the text that stands in the page. */
 export async function unpack(base64: string): Promise<Flight> {
   const packed = Uint8Array.from(atob(base64.trim()), (letter) => letter.charCodeAt(0));
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
   return split(await new Response(stream).arrayBuffer());
 }
 
-/** Takes the unpacked bytes apart. */
+/** Splits the unpacked bytes into head and frames. Throws if they are cut off. */
 export function split(bytes: ArrayBuffer): Flight {
   const view = new DataView(bytes);
   let at = 0;

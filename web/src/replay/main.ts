@@ -1,4 +1,4 @@
-// A recorded flight as one page without a server: the console's own 3-D view, charts and events on one clock.
+// The page of a recorded flight, which needs no server: the 3-D view, the charts and the events of the console on one clock.
 import { Store } from "../data/store";
 import { cameraButtons } from "../panels/cameraButtons";
 import { commands } from "../panels/commands";
@@ -19,7 +19,7 @@ import "./replay.css";
 
 declare global {
   interface Window {
-    /** What a test may read of the page. */
+    /** The values of the page that a browser test may read. */
     __replay?: { readonly time: number; readonly playing: boolean; readonly frames: number; readonly failures: number; readonly shownPose: number[] };
   }
 }
@@ -38,7 +38,7 @@ function start({ head, frames }: Flight): void {
   try {
     world = new World(byId<HTMLCanvasElement>("scene"), byId("hand"), readPalette(), { mode: () => cameras.show(), chosen: () => view?.chosen(), send: () => undefined });
   } catch (error) {
-    notify("error", `no 3-D view, because this browser offers no WebGL 2 (${error instanceof Error ? error.message : "unknown reason"})`);
+    notify("error", `the 3-D view is off, because this browser has no WebGL 2 (${error instanceof Error ? error.message : "unknown reason"})`);
   }
   if (world?.software ?? true) preferProcessorCanvas();
   const charts = new ChartColumn(store, world?.software ?? true);
@@ -71,12 +71,12 @@ function start({ head, frames }: Flight): void {
   const first = head.failures[0];
   commands.register(
     { id: "flight.play", group: "Flight", description: "play or stop", keys: ["Space"], action: play },
-    { id: "flight.start", group: "Flight", description: "to the start", keys: ["Ctrl+Home"], action: go(player.startS) },
-    { id: "flight.failure", group: "Flight", description: "to the first failure", keys: ["J"], action: () => go(first?.at_s ?? time)(), when: () => first !== undefined },
-    { id: "camera.overview", group: "Camera", description: "the whole task", keys: ["F"], action: cameras.overview },
-    { id: "camera.follow", group: "Camera", description: "beside the vehicle", keys: ["V"], action: cameras.follow },
-    { id: "camera.top", group: "Camera", description: "from above", keys: ["T"], action: cameras.top },
-    { id: "camera.hand", group: "Camera", description: "close-up of the hand on or off", keys: ["H"], action: cameras.hand },
+    { id: "flight.start", group: "Flight", description: "go to the start", keys: ["Ctrl+Home"], action: go(player.startS) },
+    { id: "flight.failure", group: "Flight", description: "go to the first failure", keys: ["J"], action: () => go(first?.at_s ?? time)(), when: () => first !== undefined },
+    { id: "camera.overview", group: "Camera", description: "show the whole task", keys: ["F"], action: cameras.overview },
+    { id: "camera.follow", group: "Camera", description: "travel beside the vehicle", keys: ["V"], action: cameras.follow },
+    { id: "camera.top", group: "Camera", description: "look from above", keys: ["T"], action: cameras.top },
+    { id: "camera.hand", group: "Camera", description: "show or hide the close-up of the hand", keys: ["H"], action: cameras.hand },
   );
   startKeys(commands);
   if (first !== undefined) charts.view.markers = head.failures.map(({ at_s }) => at_s);
@@ -107,7 +107,7 @@ function start({ head, frames }: Flight): void {
     before = now;
     if (next !== time) seek(next);
     const { pinned } = charts.view;
-    // Without a cursor the charts would follow the newest tick, which a replay has not.
+    // Without a cursor the charts would follow the newest tick, but a replay has all ticks from the start.
     if (pinned === null) charts.view.show(time);
     else time = Math.min(player.endS, Math.max(player.startS, pinned));
     player.show(time);
@@ -129,7 +129,7 @@ function start({ head, frames }: Flight): void {
   }
 }
 
-/** Which flight it is, how it ended and what it did not keep. */
+/** Shows the name of the flight, its verdict, and the demands that it did not meet. */
 function describe(head: Head, seek: (time: number) => void): void {
   document.title = `${head.hello.scenario}: ${head.verdict}`;
   setText(byId("title"), head.hello.scenario);

@@ -1,6 +1,6 @@
-// The page of a recorded flight out of the console's: what both show stands once, in index.html.
+// Makes the page of a recorded flight from the console's page. Parts that both pages show stand once, in index.html.
 
-/** What a label of the console says of a thing that only a flight in progress can do. */
+/** Words in a label of the console about an action that only a running flight allows. */
 const LIVE_WORDS = ", Ctrl+drag to push the vehicle";
 
 /**

@@ -1,9 +1,9 @@
-// The clock of a replay and which frame it shows. The time is that of the charts' cursor: whoever moves one moves both.
+// The clock of a replay, and the frame that it shows. Its time is the time of the charts' cursor, so both always move together.
 import type { Telemetry } from "../link/decode";
 
-/** Frames that are shown one after the other; a longer way is a jump. */
+/** A move over at most this many frames shows each of them; a longer move is a jump. */
 const FOLLOWED_FRAMES = 20;
-/** How much of the way is shown behind the vehicle after a jump, s, and every so many frames of it. */
+/** After a jump the trail reaches back this long, s, with one of `TRAIL_EVERY` frames. */
 const TRAIL_S = 20;
 const TRAIL_EVERY = 4;
 
@@ -31,7 +31,7 @@ export class Player {
     return this.frames[0]?.tSim ?? 0;
   }
 
-  /** Where the clock stands `elapsed` s after `time`; it stops at the end. */
+  /** Time of the clock `elapsed` s after `time`; it stops at the end. */
   advance(time: number, elapsed: number): number {
     if (!this.playing) return time;
     const next = Math.min(this.endS, time + elapsed * this.speed);
@@ -39,7 +39,7 @@ export class Player {
     return next;
   }
 
-  /** Plays or stops; at the end it starts over. Gives the time to go on from. */
+  /** Plays or stops; at the end it starts over. Returns the time from which to go on. */
   toggle(time: number): number {
     this.playing = !this.playing;
     return this.playing && time >= this.endS ? this.startS : time;
@@ -64,7 +64,7 @@ export class Player {
   }
 }
 
-/** Index of the newest frame that is not after `time`; the first if all are. -1 without frames. */
+/** Index of the newest frame that is not after `time`; 0 if all frames are after it, -1 without frames. */
 export function frameAt(frames: Telemetry[], time: number): number {
   let [low, high] = [0, frames.length - 1];
   while (low < high) {

@@ -4,7 +4,7 @@ import { Arrows } from "./arrow";
 
 const close = (found: Vector3, wanted: Vector3): void => expect(found.distanceTo(wanted)).toBeLessThan(1e-6);
 
-/** What is drawn: number, foot of the first shaft, tip of the first head. */
+/** The arrows as drawn: their number, the foot of the first shaft, and the tip of the first head. */
 function drawn(arrows: Arrows): { count: number; foot: Vector3; tip: Vector3 } {
   const [shafts, heads] = arrows.root.children as [InstancedMesh, InstancedMesh];
   const corner = (mesh: InstancedMesh, upper: boolean): Vector3 => {

@@ -1,15 +1,15 @@
-// Arrows with a body: one-pixel lines vanish on a large screen. All arrows of a group are drawn in two calls, their shafts and
-// their heads: without a graphics card it is calls that cost.
+// Solid arrows, because lines of one pixel vanish on a large screen. One call draws all shafts of a group and one call all heads,
+// because without a graphics card the number of calls decides the cost.
 import { Color, type ColorRepresentation, ConeGeometry, CylinderGeometry, Group, InstancedMesh, type Material, Matrix4, Quaternion, Vector3 } from "three";
 
-/** Of an arrow of thickness 1, m. */
+/** Sizes of an arrow of thickness 1, m. */
 const SHAFT_RADIUS_M = 0.004;
 const HEAD_RADIUS_M = 0.012;
 const HEAD_LENGTH_M = 0.035;
-/** Shorter arrows would be a blob that tells no direction, m. */
+/** Shorter arrows are not drawn, because they would look like dots without a direction, m. */
 const SHORTEST_M = 0.004;
 const ALONG = new Vector3(0, 1, 0);
-// Unit height with the foot at the origin, so that length is a scale.
+// The shaft has height 1 and its foot at the origin, so that scaling sets its length.
 const SHAFT = new CylinderGeometry(SHAFT_RADIUS_M, SHAFT_RADIUS_M, 1, 8).translate(0, 0.5, 0);
 const HEAD = new ConeGeometry(HEAD_RADIUS_M, HEAD_LENGTH_M, 12).translate(0, HEAD_LENGTH_M / 2, 0);
 const turn = new Quaternion();
@@ -17,7 +17,7 @@ const size = new Vector3();
 const place = new Vector3();
 const matrix = new Matrix4();
 
-/** An arrow as drawn: foot (m) and the way to its tip (m), both in the world. */
+/** An arrow as drawn: foot (m) and the vector from foot to tip (m), both in the world. */
 export interface DrawnArrow {
   foot: number[];
   vector: number[];
@@ -38,7 +38,7 @@ export class Arrow {
     return this.shown;
   }
 
-  /** From `foot` by `way`, m; hidden if either is unknown or there is nothing to show. */
+  /** Shows the arrow from `foot` to `foot + way`, m; hides it if either is unknown or the arrow is too short. */
   show(foot: Vector3, way: Vector3): void {
     this.length = way.length();
     this.shown = Number.isFinite(this.length + foot.x + foot.y + foot.z) && this.length >= SHORTEST_M;
@@ -51,13 +51,13 @@ export class Arrow {
     this.shown = false;
   }
 
-  /** What is drawn; null while hidden. */
+  /** The arrow as drawn; null while it is hidden. */
   drawn(): DrawnArrow | null {
     if (!this.shown) return null;
     return { foot: this.foot.toArray(), vector: this.direction.clone().multiplyScalar(this.length).toArray() };
   }
 
-  /** Writes shaft and head as number `index` of the two. */
+  /** Writes the shaft and the head as instance `index` of both meshes. */
   write(shafts: InstancedMesh, heads: InstancedMesh, index: number): void {
     const { thickness } = this;
     const full = HEAD_LENGTH_M * thickness;
@@ -78,7 +78,7 @@ export class Arrows {
   private readonly shafts: InstancedMesh;
   private readonly heads: InstancedMesh;
 
-  /** Room for `most` arrows of a white `material`. */
+  /** Makes room for `most` arrows; `material` must be white. */
   constructor(material: Material, most: number) {
     this.shafts = new InstancedMesh(SHAFT, material, most);
     this.heads = new InstancedMesh(HEAD, material, most);
@@ -96,7 +96,7 @@ export class Arrows {
     return arrow;
   }
 
-  /** Before drawing: what is visible comes into its place. */
+  /** Writes the visible arrows into the meshes; call it before drawing. */
   pack(): void {
     let count = 0;
     for (const arrow of this.list) if (arrow.visible) arrow.write(this.shafts, this.heads, count++);

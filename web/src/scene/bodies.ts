@@ -8,11 +8,11 @@ import { dispose, meshesOf, place } from "./shapes";
 
 export const POSE_FLOATS = 7;
 const GHOST_ALPHA = 0.35;
-/** From this far off its reference on the ghost is drawn in full; nearer it would only tint the vehicle, m. */
+/** From this distance between vehicle and reference on, the ghost has its full opacity; nearer it would only tint the vehicle, m. */
 const GHOST_FULL_M = 0.15;
-/** Nearer it cannot be told from the vehicle, and would be drawn for nothing, m. */
+/** At a smaller distance the ghost is not drawn, because it would look the same as the vehicle, m. */
 const GHOST_FROM_M = 0.01;
-/** Half size of what has a place but no shape, m. */
+/** Half size of the box of a body without shapes, m. */
 const SHAPELESS_HALF_M = 0.015;
 
 export interface DrawnPose {
@@ -24,9 +24,9 @@ export interface Body {
   name: string;
   group: SceneGroup;
   object: Group;
-  /** Around its shapes, in its own frame, m. */
+  /** Box around the shapes of the body, in its own frame, m. */
   box: Box3;
-  /** Place among the poses of a frame; -1 if it does not move. */
+  /** Index among the poses of a frame; -1 if the body does not move. */
   index: number;
 }
 
@@ -59,7 +59,7 @@ export class Bodies {
     this.root.add(this.ghost);
   }
 
-  /** Moves every body to `poses` (moving bodies in order, then the reference). */
+  /** Moves every body to its pose in `poses` (moving bodies in order, then the reference). */
   update(poses: Float32Array, showGhost: boolean): void {
     for (const { object, index } of this.moving) setPose(object, poses, index * POSE_FLOATS);
     this.ghostKnown = setPose(this.ghost, poses, this.moving.length * POSE_FLOATS);
@@ -85,7 +85,7 @@ export class Bodies {
     return this.base;
   }
 
-  /** Distance of the vehicle's root from its reference, m; NaN where there is none. */
+  /** Distance of the vehicle's root from its reference, m; NaN if there is none. */
   offReference(): number {
     return this.ghostKnown && this.base !== undefined ? this.ghost.position.distanceTo(this.base.object.position) : NaN;
   }
@@ -129,7 +129,7 @@ function boxOf(object: Group): Box3 {
   return box;
 }
 
-/** Copies a pose; false (and nothing changes) if it is not finite. */
+/** Copies a pose; returns false and changes nothing if the pose is not finite. */
 function setPose(object: Group, values: Float32Array, k: number): boolean {
   let sum = 0;
   for (let i = k; i < k + POSE_FLOATS; i += 1) sum += values[i] ?? NaN;

@@ -1,14 +1,14 @@
-// Corner brackets around one body: what is pointed at, or chosen. They move with it and show through other bodies.
+// Corner brackets around one body that the pointer is over or that is chosen. They move with the body and show through other bodies.
 import { BufferGeometry, Float32BufferAttribute, LineBasicMaterial, LineSegments } from "three";
 import { MARKS_LAYER } from "./layers";
 import type { Body } from "./bodies";
 
-/** Between body and bracket, m. */
+/** Gap between body and bracket, m. */
 const GAP_M = 0.008;
 /** Share of an edge that a bracket's arm takes. */
 const ARM = 0.22;
 
-/** Twelve edges, each drawn only near its ends, of the box around `body`; pairs of points in its frame. */
+/** Line segments along the twelve edges of the box around `body`, near the ends of each edge; pairs of points in the body's frame. */
 export function bracketPoints({ box }: Pick<Body, "box">): number[] {
   const low = [box.min.x - GAP_M, box.min.y - GAP_M, box.min.z - GAP_M];
   const high = [box.max.x + GAP_M, box.max.y + GAP_M, box.max.z + GAP_M];
@@ -40,7 +40,7 @@ export class Brackets {
     return this.shown;
   }
 
-  /** Puts the brackets around `body`, or away; true if that changes the picture. */
+  /** Puts the brackets around `body`, or hides them; returns true if that changes the picture. */
   surround(body: Body | undefined): boolean {
     if (body === this.shown) return false;
     this.shown = body;

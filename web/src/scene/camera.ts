@@ -1,5 +1,5 @@
-// The main camera: stands still and shows the whole task, travels with the vehicle, looks from above, or stays where the
-// operator put it. It moves from one place to the next smoothly unless the operator asked the system for less motion.
+// The main camera. It stands still and shows the whole task, travels with the vehicle, looks from above, or stays where the
+// operator put it. It moves smoothly to its next position, unless the operator has set the system to reduced motion.
 import { PerspectiveCamera, Vector3 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { fitView, isInView } from "./framing";
@@ -8,13 +8,13 @@ import { MARKS_LAYER } from "./layers";
 export type CameraMode = "overview" | "follow" | "top" | "free";
 
 export const FIELD_OF_VIEW_DEG = 40;
-/** From where the overview looks: behind the pick, beside the way to the place, so that near and far fit one picture. */
+/** Direction from the task to the overview camera: behind the pick and beside the path to the place, so that both fit the picture. */
 const OVERVIEW_DIRECTION = new Vector3(-0.62, -0.68, 0.42).normalize();
-/** From above, x to the right and y up in the picture; exactly above, up would have no direction. */
+/** Direction to the camera above, with x to the right and y up in the picture. Exactly above, up would be undefined. */
 const TOP_DIRECTION = new Vector3(0, -1e-4, 1).normalize();
-/** Where the camera travels beside the vehicle, m. */
+/** Offset of the camera that travels beside the vehicle, m. */
 const FOLLOW_OFFSET = new Vector3(-1.25, -1.45, 0.7);
-/** What hangs under the vehicle counts as much as the vehicle, m. */
+/** The camera looks this far below the vehicle, so that the arm and the payload are in the picture too, m. */
 const FOLLOW_DROP_M = 0.15;
 const MOVE_MS = 450;
 
@@ -40,7 +40,7 @@ export class Camera {
     this.controls.enableDamping = false;
     this.controls.minDistance = 0.2;
     this.controls.maxDistance = 60;
-    // A click that moves nothing leaves the mode alone: it chooses a body.
+    // A click without a movement chooses a body and does not change the mode.
     this.controls.addEventListener("start", () => (this.held = true));
     this.controls.addEventListener("end", () => (this.held = false));
     this.controls.addEventListener("change", () => {
@@ -63,17 +63,17 @@ export class Camera {
     this.go();
   }
 
-  /** What the camera looks at, world frame, m. */
+  /** Point at which the camera looks, in the world, m. */
   get target(): Vector3 {
     return this.controls.target;
   }
 
-  /** Direction the camera looks in the plan, rad from x towards y. */
+  /** Horizontal direction in which the camera looks, rad from x towards y. */
   get heading(): number {
     return Math.atan2(this.controls.target.y - this.camera.position.y, this.controls.target.x - this.camera.position.x);
   }
 
-  /** On its way from one place to another. */
+  /** Whether the camera is moving to another position. */
   get moving(): boolean {
     return !Number.isNaN(this.movingSince);
   }
@@ -84,14 +84,14 @@ export class Camera {
     if (this.chosen === "overview" || this.chosen === "top") this.arrive();
   }
 
-  /** What the overview is to show: points at its rim, world frame, m. */
+  /** Sets the points that the overview must show, in the world, m. */
   cover(points: Vector3[]): void {
     this.points = points;
     this.known = false;
     if (this.chosen === "overview" || this.chosen === "top") this.arrive();
   }
 
-  /** The vehicle is at `position` now. */
+  /** Takes the new `position` of the vehicle, in the world, m. */
   track(position: Vector3): void {
     const first = !this.known;
     this.known = true;
@@ -110,7 +110,7 @@ export class Camera {
     }
   }
 
-  /** Moves on towards where the mode wants to be; true while it moves. `now` in ms. */
+  /** Moves the camera on towards the goal of its mode; returns true while it moves. `now` is the time in ms. */
   advance(now: number): boolean {
     if (!this.moving || !this.setGoal()) return false;
     const share = Math.min(1, (now - this.movingSince) / MOVE_MS);
@@ -138,7 +138,7 @@ export class Camera {
     this.controls.update();
   }
 
-  /** Where the mode wants to be; false where it has no wish. */
+  /** Computes the goal of the mode; returns false if the mode has none. */
   private setGoal(): boolean {
     if (this.chosen === "free" || (this.chosen === "follow" && !this.known)) return false;
     if (this.chosen === "follow") {

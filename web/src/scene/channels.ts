@@ -1,5 +1,6 @@
-// The numbers of a telemetry row that the 3-D view shows, picked out by name once per flight. Layout of what is picked:
-// thrust of each rotor (N), estimate of the residual force (N, world), the adapter's share of it (N, world), wind (m/s, world).
+// Picks the numbers that the 3-D view shows out of a telemetry row. Their indices are found by name once per flight. Layout of the
+// picked numbers: thrust of each rotor (N), estimate of the residual force (N, world), the adapter's share of it (N, world), wind
+// (m/s, world).
 import type { Telemetry } from "../link/decode";
 import type { ChannelInfo } from "../protocol";
 
@@ -7,7 +8,7 @@ const AXES = ["x", "y", "z"];
 
 export class SceneChannels {
   readonly count: number;
-  /** Where each triple starts in what is picked. */
+  /** Index of the first number of each triple among the picked numbers. */
   readonly estimateAt: number;
   readonly adapterAt: number;
   readonly windAt: number;
@@ -21,7 +22,7 @@ export class SceneChannels {
     const columns = new Map(channels.map(({ name }, index) => [name, index]));
     const triple = (stem: string): number[] => AXES.map((axis) => columns.get(`${stem}.${axis}`) ?? -1);
     this.rotors = Array.from({ length: rotors }, (_, rotor) => columns.get(`rotor.${rotor}`) ?? -1);
-    // What the loop adds: low-passed and clipped, unlike the adapted forecast it is made of.
+    // The loop adds the low-passed and clipped r̂, not the adapted forecast from which it is computed.
     this.estimate = triple("r_hat");
     this.adapted = triple("adapted");
     this.base = triple("base");
@@ -32,7 +33,7 @@ export class SceneChannels {
     this.count = rotors + 9;
   }
 
-  /** Picks the newest row of `frame` into `out` from `offset` on; NaN is unknown. */
+  /** Picks the numbers of the newest row of `frame` into `out` from `offset` on; NaN means unknown. */
   pick(frame: Telemetry, out: Float32Array, offset: number): void {
     const row = (frame.rows - 1) * frame.channelCount;
     const value = (column: number | undefined): number => (column === undefined || column < 0 || row < 0 ? NaN : (frame.channels[row + column] ?? NaN));

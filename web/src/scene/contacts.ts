@@ -1,5 +1,5 @@
-// Contact points with an arrow along the force. The arrow's length grows with the root of the force, so that a 2 N grip
-// and a 200 N bump both fit the picture. They show through bodies: contacts are always between two.
+// Contact points with an arrow along the force. The arrow's length grows with the root of the force, so that a grip of 2 N and a
+// bump of 200 N both fit the picture. The arrows show through bodies, because a contact always lies between two bodies.
 import { type ColorRepresentation, Group, InstancedMesh, Matrix4, MeshBasicMaterial, SphereGeometry, Vector3 } from "three";
 import { type Arrow, Arrows, type DrawnArrow } from "./arrow";
 
@@ -32,7 +32,7 @@ export class Contacts {
     this.material.color.set(color);
   }
 
-  /** Point (m) and force (N) of each contact, world frame. */
+  /** Takes the point (m) and the force (N) of each contact, in the world. */
   update(contacts: Float32Array): void {
     this.arrows.forEach((arrow) => arrow.hide());
     this.dots.count = 0;
@@ -42,7 +42,7 @@ export class Contacts {
     this.dots.instanceMatrix.needsUpdate = true;
   }
 
-  /** Before drawing. */
+  /** Writes the visible arrows into the meshes; call it before drawing. */
   pack(): void {
     this.field.pack();
   }

@@ -1,6 +1,5 @@
-// Arrows for what acts on the vehicle: thrust of each rotor and of all, the residual estimate, the adapter's share of it,
-// and the wind. Lengths are proportional and the same for every force, so that arrows may be compared by eye. What is
-// unknown is not drawn.
+// Arrows at the vehicle: the thrust of each rotor and their sum, the residual estimate, the adapter's share of it, and the wind.
+// All forces have the same scale, so that their arrows may be compared by eye. An unknown force or wind is not drawn.
 import { type ColorRepresentation, MeshBasicMaterial, type Object3D, Vector3 } from "three";
 import type { Palette } from "../panels/theme";
 import type { SceneRotor } from "../protocol";
@@ -12,12 +11,12 @@ import type { ViewSettings } from "./settings";
 export const METRES_PER_NEWTON = 0.0125;
 export const METRES_PER_METRE_PER_SECOND = 0.08;
 const LONGEST_WIND_M = 0.8;
-/** Less is no wind, m/s. */
+/** A weaker wind counts as calm, m/s. */
 const CALM_M_S = 0.05;
 /** The wind's arrows end this far upwind of the vehicle, side by side and one above the other, m. */
 const WIND_STANDOFF_M = 0.42;
 const WIND_PLACES = [new Vector3(0, 0, 0), new Vector3(0, 0.13, 0.1), new Vector3(0, -0.13, 0.1)];
-/** Feet of the long arrows beside each other in the body, or the upright ones would hide each other, m. */
+/** Feet of the long arrows in the body frame, m. They stand beside each other, so that upright arrows do not hide each other. */
 const TOTAL_FOOT = new Vector3(0, 0, 0.03);
 const ESTIMATE_FOOT = new Vector3(-0.06, 0.06, 0.03);
 const ADAPTER_FOOT = new Vector3(0.06, -0.06, 0.03);
@@ -64,12 +63,12 @@ export class Forces {
     paint(this.winds, palette.third);
   }
 
-  /** Before drawing. */
+  /** Writes the visible arrows into the meshes; call it before drawing. */
   pack(): void {
     this.arrows.pack();
   }
 
-  /** Draws `values`, laid out as `SceneChannels` says from `offset` on, at the vehicle `base`. */
+  /** Shows `values` as arrows at the vehicle `base`; from `offset` on they have the layout of `SceneChannels`. */
   update(base: Object3D, values: Float32Array, offset: number, shown: ViewSettings["shown"]): void {
     let sum = 0;
     this.rotors.forEach((arrow, i) => {
@@ -108,7 +107,7 @@ export class Forces {
     return Object.fromEntries(named.map(([name, arrow]) => [name, arrow?.drawn() ?? null]).filter(([, arrow]) => arrow !== null));
   }
 
-  /** The wind comes towards the vehicle: its arrows stand upwind and end short of it. */
+  /** Shows the wind. Its arrows stand upwind of the vehicle, point towards it and end before it. */
   private blow(base: Object3D, values: Float32Array, at: number, shown: boolean): void {
     this.read(values, at, 1);
     const speed = this.way.length();

@@ -1,5 +1,4 @@
-// Coordinate axes on demand: X red with one ring at its end, Y green with two, Z blue with three, each with the name of
-// its frame.
+// Coordinate axes of frames: X is red with one ring at its end, Y green with two rings, Z blue with three. Each frame has its name.
 import { BoxGeometry, type BufferGeometry, Color, Float32BufferAttribute, Group, Mesh, MeshBasicMaterial, type Object3D, Vector3 } from "three";
 import { mergeGeometries } from "three/examples/jsm/utils/BufferGeometryUtils.js";
 import type { Palette } from "../panels/theme";
@@ -7,14 +6,14 @@ import { Label } from "./label";
 import { MARKS_LAYER } from "./layers";
 import { FRAMES, type FrameKind, type ViewSettings } from "./settings";
 
-/** Of an axis 1 m long, m. */
+/** Thickness of an axis of length 1 m, m. */
 const THICKNESS_M = 0.026;
 const COLORS = ["#d6453d", "#4a9e46", "#3f7fd0"];
-/** Who does not tell red from green counts the rings; first and distance of the next, and size, of an axis 1 m long, m. */
+/** Rings on an axis of length 1 m, m: position of the first, distance to the next, and size. They tell axes apart without colours. */
 const RING_M = { first: 0.95, next: 0.1, size: 0.07, length: 0.04 };
 const LENGTH_M: Record<FrameKind, number> = { world: 0.4, body: 0.3, links: 0.1, tool: 0.12, payload: 0.12 };
 
-/** Names of small frames close together are told only from this near, m. */
+/** The names of small frames that are close together appear only within this distance of the camera, m. */
 const NAMED_WITHIN_M = 3;
 const CLOSE_TOGETHER: FrameKind[] = ["links", "tool"];
 
@@ -24,7 +23,7 @@ export interface FrameHolder {
   object: Object3D;
 }
 
-/** A box on an axis, from `from` to `to`. */
+/** A box along an axis, from `from` to `to`. */
 function piece(axis: number, from: number, to: number, size: number, color: Color): BufferGeometry {
   const sides: [number, number, number] = [size, size, size];
   sides[axis] = to - from;
@@ -51,7 +50,7 @@ export class Frames {
   private readonly material = new MeshBasicMaterial({ vertexColors: true, depthTest: false, transparent: true });
   private readonly place = new Vector3();
   private alone = true;
-  /** The world's axes stand in the scene like anything else; a body's are inside it, and show through. */
+  /** Material of the world's axes, which bodies may hide. The axes of a body are inside the body and show through it. */
   private readonly solid = new MeshBasicMaterial({ vertexColors: true });
   private readonly made: { kind: FrameKind; root: Group; label: Label }[];
 
@@ -71,12 +70,12 @@ export class Frames {
   }
 
   apply(shown: ViewSettings["shown"]): void {
-    // The origin is always in sight, and its axes need no name while they are the only ones.
+    // The axes of the world need no name while no other axes are shown.
     this.alone = FRAMES.every((kind) => kind === "world" || !shown[kind]);
     for (const { kind, root } of this.made) root.visible = shown[kind];
   }
 
-  /** Before drawing, from `eye` in the world. */
+  /** Shows the names that are readable from `eye`, in the world, m; call it before drawing. */
   seenFrom(eye: Vector3): void {
     for (const { kind, root, label } of this.made) {
       if (!root.visible) continue;
@@ -85,7 +84,7 @@ export class Frames {
     }
   }
 
-  /** The picture is `height` CSS pixels high. */
+  /** Takes the height of the picture, CSS px. */
   resize(height: number): void {
     this.made.forEach(({ label }) => label.resize(height));
   }
@@ -94,7 +93,7 @@ export class Frames {
     this.made.forEach(({ label }) => label.recolor(palette.ink, palette.panel));
   }
 
-  /** Names of the kinds that are drawn now, for tests. */
+  /** Kinds of frames that are drawn now, for tests. */
   drawn(): string[] {
     return [...new Set(this.made.filter(({ root }) => root.visible).map(({ kind }) => kind))];
   }

@@ -18,7 +18,7 @@ function standing(aspect: number): PerspectiveCamera {
 }
 
 describe("fitView", () => {
-  // Three's own projection is the oracle: every point inside, and at least one at the rim it was asked to keep.
+  // The projection of three.js is the oracle: every point must be inside the picture, and at least one point at its rim.
   it.each([0.6, 1, 2.4])("shows every point, none farther away than needed, at aspect %f", (aspect) => {
     const camera = standing(aspect);
     const seen = POINTS.map((point) => point.clone().project(camera));

@@ -1,19 +1,19 @@
-// Where a camera has to stand so that given points fill its picture.
+// Computes the position of a camera from which given points fill the picture.
 import { Box3, type Object3D, type PerspectiveCamera, Vector3 } from "three";
 
 /** Share of the half picture that the points may fill. */
 const FILL = 0.92;
-/** A vehicle whose middle is farther out than this share of the half picture is about to leave it. */
+/** A vehicle whose centre is farther out than this share of the half picture is about to leave the picture. */
 const RIM = 0.96;
-/** Larger things (a floor, walls) do not count, m. */
+/** Larger bodies, such as a floor or a wall, are ignored, m. */
 const FIT_WITHIN_M = 5;
-/** The vehicle climbs and sways around what it works on by about this much, m. */
+/** Room for the flight above the vehicle and to its sides, m. */
 const ROOM_ABOVE_M = 0.4;
 const ROOM_ASIDE_M = 0.35;
-/** Scenes smaller than this are shown with some surroundings, m. */
+/** Half size of the smallest region that is shown, m. */
 const SMALLEST_HALF_M = 0.5;
 
-/** Corners of the boxes around all children of `root` that are not floor or wall, with room to fly. */
+/** Corners of the boxes around all children of `root` other than floor and walls, and of a box that leaves room for the flight. */
 export function rimOf(root: Object3D, vehicle: Vector3): Vector3[] {
   root.updateMatrixWorld(true);
   const points: Vector3[] = [];
@@ -25,7 +25,7 @@ export function rimOf(root: Object3D, vehicle: Vector3): Vector3[] {
     points.push(...corners(own));
     whole.union(own);
   }
-  // The vehicle may be above any of it, but no farther aside than it is wide.
+  // The vehicle may fly above all of these bodies, but it stays near their middle line.
   const { min, max } = whole;
   const middle = (min.y + max.y) / 2;
   const top = vehicle.z + ROOM_ABOVE_M;
@@ -33,15 +33,15 @@ export function rimOf(root: Object3D, vehicle: Vector3): Vector3[] {
   return [...points, ...corners(way)];
 }
 
-/** The position nearest to the points, in `direction` from them, from which all are in the picture. */
+/** The camera position nearest to the points, in `direction` from them, from which all points are in the picture; and its target. */
 export function fitView(points: Vector3[], direction: Vector3, { fov, aspect }: { fov: number; aspect: number }): { target: Vector3; position: Vector3 } {
   const tanY = Math.tan((fov * Math.PI) / 360) * FILL;
   const tanX = tanY * aspect;
   const back = direction.clone().normalize();
   const right = new Vector3(0, 0, 1).cross(back).normalize();
   const up = back.clone().cross(right);
-  // A point at (a, b) from the axis and c towards the camera is inside while |a - x| <= tanX (d - c), and so for b: each
-  // side of the picture is a plane, and the two opposite planes that touch the points give centre and distance.
+  // A point at (a, b) from the axis and c towards the camera is inside if |a - x| <= tanX (d - c), and likewise for b. Each side of
+  // the picture is a plane. The two opposite planes that touch the points give the centre x and the distance d.
   const sideways = span(points, right, back, tanX);
   const upwards = span(points, up, back, tanY);
   const distance = Math.max(sideways.distance, upwards.distance);

@@ -2,7 +2,7 @@ import { Quaternion, Vector3 } from "three";
 import { describe, expect, it } from "vitest";
 import { blendPose, Glide } from "./glide";
 
-/** Values are kept as f32: 24 bits of mantissa, a few roundings. */
+/** Tolerance of a few roundings, because values are stored as f32 with 24 bits of mantissa. */
 const F32 = 2e-6;
 
 function pose(position: number[], axis: Vector3, angle: number): number[] {
@@ -11,7 +11,7 @@ function pose(position: number[], axis: Vector3, angle: number): number[] {
 }
 
 describe("blendPose", () => {
-  // Turning about one axis, slerp is known in closed form: the angle grows with the share.
+  // For a turn about one axis slerp has a closed form: the angle is proportional to the share.
   it.each([0, 0.2, 0.5, 0.9, 1])("turns about a fixed axis in proportion, at %f of the way", (part) => {
     const axis = new Vector3(1, -2, 0.5);
     const [from, to] = [pose([1, 2, 3], axis, 0.3), pose([2, 0, 3], axis, 2.3)].map((values) => Float32Array.from(values));
@@ -61,7 +61,7 @@ describe("Glide", () => {
       if (now > 1000) steps.push(glide.shown[0]! - shown);
       shown = glide.shown[0]!;
     }
-    // Six drawings a frame: each moves by a sixth, up to the drawing grid's own unevenness.
+    // There are six drawings per frame, so each moves by a sixth, up to the unevenness of the times of drawing.
     expect(Math.min(...steps)).toBeGreaterThan(0.05);
     expect(Math.max(...steps)).toBeLessThan(0.4);
   });

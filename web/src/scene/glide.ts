@@ -1,13 +1,13 @@
-// Between two telemetry frames: what is shown glides from where it was to the newest frame within about one frame period,
-// so that 10 frames/s move as smoothly as 100. Nothing is extrapolated: once the newest frame is reached, it is shown as
-// it came. State: poses (x y z, w x y z) followed by single numbers, as shown, as started from and as aimed at.
+// Interpolates between telemetry frames. The shown poses glide to the newest frame within about one frame period, so that motion at
+// 10 frames/s looks as smooth as at 100. Nothing is extrapolated: once the newest frame is reached, it is shown exactly. State: the
+// values shown, at the start of the glide, and at its target; each is poses (x y z, w x y z) followed by single numbers.
 
 const POSE_FLOATS = 7;
-/** Share of a new interval in the mean frame period. */
+/** Weight of a new interval in the mean frame period. */
 const SMOOTHING = 0.1;
-/** Longer silences are pauses, not periods, ms. */
+/** A longer interval is a pause and does not count as a frame period, ms. */
 const LONGEST_INTERVAL_MS = 500;
-/** A little longer than a period, so that a late frame finds the motion not yet at rest. */
+/** A glide takes this many frame periods. It is more than one, so that a late frame does not find the motion at rest. */
 const STRETCH = 1.15;
 const SHORTEST_MS = 8;
 const LONGEST_MS = 250;
@@ -35,7 +35,7 @@ export class Glide {
     this.start = new Float32Array(floats).fill(NaN);
   }
 
-  /** `target` is new at `now` (ms); `exact` shows it at once. */
+  /** Starts the glide to a new `target` at `now` (ms); with `exact` the target is shown at once. */
   arrived(now: number, exact: boolean): void {
     const interval = now - this.arrivedAt;
     this.arrivedAt = now;
@@ -47,25 +47,25 @@ export class Glide {
     this.settled = false;
   }
 
-  /** How long the glide to a frame takes, ms. */
+  /** Duration of the glide to a frame, ms. */
   get durationMs(): number {
     return Math.min(LONGEST_MS, Math.max(SHORTEST_MS, STRETCH * this.periodMs));
   }
 
-  /** Shows the newest frame as it came. */
+  /** Shows the newest frame exactly. */
   snap(): void {
     this.shown.set(this.target);
     this.known = true;
     this.settled = true;
   }
 
-  /** What comes next is another flight: there is no way from here to there. */
+  /** Forgets the shown values before another flight, so that nothing glides from one flight to the other. */
   forget(): void {
     this.known = false;
     this.settled = true;
   }
 
-  /** Brings `shown` to `now`, ms; true if it changed. */
+  /** Updates `shown` to the time `now`, ms; returns true if it changed. */
   sample(now: number): boolean {
     this.sampledAt = now;
     if (this.settled) return false;
@@ -81,7 +81,7 @@ export class Glide {
   }
 }
 
-/** Writes the pose `part` of the way from `from` to `to`: position along the line, attitude along the great circle. */
+/** Interpolates the pose at the share `part` between `from` and `to`: the position along the line, the attitude by slerp. */
 export function blendPose(out: Float32Array, from: Float32Array, to: Float32Array, offset: number, part: number): void {
   for (let i = offset; i < offset + 3; i += 1) out[i] = mixed(at(from, i), at(to, i), part);
   const q = offset + 3;
@@ -92,7 +92,7 @@ export function blendPose(out: Float32Array, from: Float32Array, to: Float32Arra
     a = Math.sin((1 - part) * angle) / Math.sin(angle);
     b = Math.sin(part * angle) / Math.sin(angle);
   }
-  // Two quaternions of opposite sign are one attitude: take the short way.
+  // Two quaternions of opposite sign are the same attitude; this sign gives the shorter turn.
   if (dot < 0) b = -b;
   for (let i = q; i < q + 4; i += 1) {
     const value = a * at(from, i) + b * at(to, i);
@@ -100,7 +100,7 @@ export function blendPose(out: Float32Array, from: Float32Array, to: Float32Arra
   }
 }
 
-/** Unknown at either end is no way between: the newest value holds. */
+/** Interpolates a number; if either end is unknown, it is the newest value. */
 function mixed(from: number, to: number, part: number): number {
   const value = from + part * (to - from);
   return Number.isNaN(value) ? to : value;

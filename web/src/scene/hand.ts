@@ -2,14 +2,14 @@
 import { type Object3D, PerspectiveCamera, Vector3, type WebGLRenderer, type Scene as ThreeScene } from "three";
 import type { Scene } from "../protocol";
 
-/** Names under which descriptions have their grasp point or hand, most exact first. */
+/** Patterns for the names of the grasp point or the hand in vehicle descriptions, most exact first. */
 const NAMED = [/tool|tcp/i, /palm|hand|gripper/i];
-/** From the hand, in the heading of the vehicle, m: fingers open sideways, so ahead of them and a little aside. */
+/** Offset of the camera from the hand, in the heading of the vehicle, m. The fingers open sideways, so it stands mostly ahead. */
 const OFFSET = new Vector3(0.42, -0.3, 0.14);
 const FIELD_OF_VIEW_DEG = 34;
 const UP = new Vector3(0, 0, 1);
 
-/** The body that is the hand of the vehicle; nothing for a vehicle without one. */
+/** Name of the body that is the vehicle's hand; undefined for a vehicle without a hand. */
 export function handOf(scene: Scene): string | undefined {
   const links = scene.bodies.filter(({ group, moving, name }) => group === "vehicle" && moving && name !== scene.base_body);
   for (const pattern of NAMED) {
@@ -25,7 +25,7 @@ export class HandView {
   private readonly place = new Vector3();
   private readonly heading = new Vector3();
 
-  /** `frame` is the element the picture goes into; it lies over `canvas`. */
+  /** `frame` is the element that shows the picture; it lies over `canvas`. */
   constructor(
     private readonly canvas: HTMLElement,
     private readonly frame: HTMLElement,
@@ -33,7 +33,7 @@ export class HandView {
     this.camera.up.copy(UP);
   }
 
-  /** Draws over what `renderer` has drawn already. */
+  /** Draws the close-up over the picture that `renderer` has drawn already. */
   render(renderer: WebGLRenderer, scene: ThreeScene, hand: Object3D | undefined, base: Object3D | undefined): void {
     const shown = this.shown && hand !== undefined && base !== undefined;
     this.frame.hidden = !shown;

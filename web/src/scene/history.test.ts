@@ -2,12 +2,12 @@ import { describe, expect, it } from "vitest";
 import { PoseHistory } from "./history";
 
 const TICK_S = 0.01;
-/** f32 positions of some metres over 0.15 s: 2 * 4e-7 / 0.15, and room. */
+/** Tolerance for f32 positions of a few metres over 0.15 s: 2 * 4e-7 / 0.15, and some margin. */
 const SPEED_ROUNDING = 1e-5;
-/** Angles between f32 quaternions suffer near zero: sqrt(f32) over the span. */
+/** Tolerance for angles between f32 quaternions, which are inexact near zero: the root of a rounding, over 0.15 s. */
 const TURN_ROUNDING = 5e-3;
 
-/** Uniform motion and uniform yaw, written down in closed form. */
+/** A uniform motion with uniform yaw, in closed form. */
 function pose(t: number): number[] {
   return [1 + 0.4 * t, -2 * t, 0.5 + 0.1 * t, Math.cos(0.35 * t), 0, 0, Math.sin(0.35 * t)];
 }

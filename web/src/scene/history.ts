@@ -1,17 +1,17 @@
-// The last few telemetry frames, for speeds: a body's velocity is not sent, and follows from its poses.
+// Keeps the last telemetry frames to compute speeds. Telemetry has no velocities of bodies, so they are computed from poses.
 import { Quaternion } from "three";
 
 const POSE_FLOATS = 7;
 const FRAMES = 32;
-/** Speeds are means over about this time: shorter and they tremble, longer and they lag, s. */
+/** Speeds are means over about this time, s. A shorter time gives noisy speeds, a longer one late speeds. */
 const SPAN_S = 0.15;
-/** Two frames nearer than this say nothing of a speed, s. */
+/** Two frames that are closer together than this give no speed, s. */
 const SHORTEST_S = 1e-4;
 
 export interface Motion {
-  /** In the world, m/s. */
+  /** Velocity in the world, m/s. */
   velocity: [number, number, number];
-  /** About any axis, rad/s. */
+  /** Magnitude of the angular velocity, rad/s. */
   turning: number;
 }
 
@@ -25,7 +25,7 @@ export class PoseHistory {
   private readonly from = new Quaternion();
   private readonly to = new Quaternion();
 
-  /** `poses` is kept, not copied. */
+  /** Adds a frame; `poses` is kept without a copy. */
   add(tSim: number, poses: Float32Array): void {
     if (tSim <= (this.frames.at(-1)?.tSim ?? -Infinity)) this.frames.length = 0;
     if (this.frames.length === FRAMES) this.frames.shift();
@@ -36,7 +36,7 @@ export class PoseHistory {
     this.frames.length = 0;
   }
 
-  /** Mean motion of the moving body `index` up to the newest frame; NaN where too little is known. */
+  /** Mean motion of the moving body `index` up to the newest frame; NaN if there are too few frames. */
   motion(index: number): Motion {
     const unknown: Motion = { velocity: [NaN, NaN, NaN], turning: NaN };
     const newest = this.frames.at(-1);

@@ -1,4 +1,4 @@
-// What a test may read of the 3-D view: values as drawn, never a way to change them.
+// The values of the 3-D view that a browser test may read. They are the values as drawn, and a test cannot change them.
 import { Vector3 } from "three";
 import type { DrawnArrow } from "./arrow";
 import { METRES_PER_METRE_PER_SECOND, METRES_PER_NEWTON } from "./forces";
@@ -7,10 +7,10 @@ import type { World } from "./world";
 
 export interface SceneHooks {
   mode: string;
-  /** On its way from one camera to the next. */
+  /** Whether the camera is moving to another position. */
   moving: boolean;
   camera: { position: number[]; target: number[]; up_in_picture: number[] };
-  /** Middle of each body's box on the page, CSS px. */
+  /** Position of the centre of each body's box on the page, CSS px. */
   on_page: Record<string, [number, number]>;
   chosen: string | null;
   hovered: string | null;
@@ -19,12 +19,12 @@ export interface SceneHooks {
   contacts: DrawnArrow[];
   frames: string[];
   trail_points: number;
-  /** Force of the push that is held, N; null while none is. */
+  /** Force of the current push, N; null without a push. */
   push_n: number[] | null;
   m_per_n: number;
   m_per_m_s: number;
   render_ms: number;
-  /** Pictures drawn since the page was loaded. */
+  /** Number of pictures drawn since the page was loaded. */
   pictures: number;
 }
 

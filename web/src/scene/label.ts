@@ -1,4 +1,4 @@
-// A word in the 3-D view, of the same size from every distance.
+// A label in the 3-D view with the same size at every distance.
 import { CanvasTexture, Sprite, SpriteMaterial } from "three";
 import { FIELD_OF_VIEW_DEG } from "./camera";
 import { MARKS_LAYER } from "./layers";
@@ -46,14 +46,14 @@ export class Label {
     this.texture.needsUpdate = true;
   }
 
-  /** The picture is `height` CSS pixels high. */
+  /** Takes the height of the picture, CSS px. */
   resize(height: number): void {
     this.pictureHeight = height;
     this.scale();
   }
 
   private scale(): void {
-    // Without attenuation a sprite is as large as if it stood one metre from the camera.
+    // Without attenuation a sprite has the size that it would have one metre from the camera.
     const metres = (HEIGHT_PX / this.pictureHeight) * 2 * Math.tan((FIELD_OF_VIEW_DEG * Math.PI) / 360);
     this.sprite.scale.set((metres * this.canvas.width) / this.canvas.height, metres, 1);
   }

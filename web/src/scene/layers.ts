@@ -1,4 +1,4 @@
-// What is drawn where: three.js cameras see layer 0 and the layers they ask for.
+// The layers of three.js that the cameras draw: each camera draws layer 0 and the layers that it enables.
 
-/** Trails and the ghost: they tell of the flight as a whole, and would be clutter in a close-up. */
+/** Layer of trails and the ghost. They belong to the whole flight, and the close-up does not draw them. */
 export const MARKS_LAYER = 1;

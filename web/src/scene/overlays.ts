@@ -1,5 +1,5 @@
-// What is drawn over the bodies to explain the flight: trails, forces, contacts, frames, brackets, the pull of a push.
-// All of it hangs in one scene and follows the settings of the view.
+// Overlays over the bodies that explain the flight: trails, forces, contacts, frames, brackets, and the spring of a push. All are
+// parts of one scene and follow the settings of the view.
 import { MeshBasicMaterial, type Scene as ThreeScene, Vector3 } from "three";
 import type { Palette } from "../panels/theme";
 import type { Hello } from "../protocol";
@@ -54,7 +54,7 @@ export class Overlays {
     scene.add(this.wanted.line, this.flown.line, this.contacts.root, this.shadow.mesh, this.pushes.root);
   }
 
-  /** Another flight. */
+  /** Builds the overlays for another flight. */
   rebuild(hello: Hello, bodies: Bodies, channels: SceneChannels): void {
     this.hovered.surround(undefined);
     this.chosen.surround(undefined);
@@ -67,7 +67,7 @@ export class Overlays {
     this.apply();
   }
 
-  /** The settings have changed. */
+  /** Applies changed settings. */
   apply(): void {
     const { shown, trailS } = this.settings;
     this.frames?.apply(shown);
@@ -91,13 +91,13 @@ export class Overlays {
     this.frames?.resize(height);
   }
 
-  /** The vehicle and its reference have been at these places of `poses` at `time`, s. */
+  /** Adds the positions of the vehicle and its reference, which stand at these indices of `poses`, to the trails at `time`, s. */
   remember(poses: Float32Array, vehicle: number, reference: number, time: number): void {
     this.flown.add(poses[vehicle] ?? NaN, poses[vehicle + 1] ?? NaN, poses[vehicle + 2] ?? NaN, time);
     this.wanted.add(poses[reference] ?? NaN, poses[reference + 1] ?? NaN, poses[reference + 2] ?? NaN, time);
   }
 
-  /** Puts everything where `bodies` are shown; forces are `values` from `offset` on, and nothing of them if `old`. */
+  /** Moves all overlays to the shown `bodies`. Forces come from `values` at `offset`; they are hidden if the data are `old`. */
   place(bodies: Bodies, values: Float32Array, offset: number, time: number, old: boolean): void {
     const base = bodies.vehicle()?.object;
     if (base === undefined) return;
@@ -109,7 +109,7 @@ export class Overlays {
     else this.forces?.update(base, values, offset, this.settings.shown);
   }
 
-  /** Before drawing, from `eye` in the world. */
+  /** Prepares the overlays for drawing from `eye`, in the world, m. */
   seenFrom(eye: Vector3): void {
     this.frames?.seenFrom(eye);
     this.forces?.pack();
@@ -117,7 +117,7 @@ export class Overlays {
     this.pushes.pack();
   }
 
-  /** The spring of a push, or none. */
+  /** Shows the spring of a push; null hides it. */
   pull(spring: PushSpring | null, newtonsPerMetre: number): void {
     if (spring === null) return this.push.hide();
     this.push.show(spring.grabbed, this.pushWay.copy(spring.force).divideScalar(newtonsPerMetre));
@@ -135,13 +135,13 @@ export class Overlays {
     this.frames?.recolor(palette);
   }
 
-  /** Arrows as drawn, by name; contacts are counted. */
+  /** The overlays as drawn: arrows by name, contacts, kinds of frames, and the number of points of the trail. */
   drawn(): { arrows: Record<string, DrawnArrow>; contacts: DrawnArrow[]; frames: string[]; trail: number } {
     return { arrows: this.forces?.drawn() ?? {}, contacts: this.contacts.drawn(), frames: this.frames?.drawn() ?? [], trail: this.flown.line.visible ? this.flown.length : 0 };
   }
 }
 
-/** Which body carries which kind of frame. */
+/** The bodies that have frames, with the kind of each frame. */
 function holders({ scene }: Hello, bodies: Bodies, world: ThreeScene): FrameHolder[] {
   const tool = handOf(scene);
   const moving = bodies.moving.map(({ name, group, object }): FrameHolder => {

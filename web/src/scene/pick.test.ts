@@ -26,7 +26,7 @@ function setUp(): { picker: Picker; bodies: Bodies; camera: PerspectiveCamera } 
   return { picker: new Picker(camera, canvas), bodies, camera };
 }
 
-/** Page position of a world point, by the pinhole formula written out. */
+/** Position of a world point on the page, by the formula of the pinhole camera. */
 function pinhole(x: number, y: number, z: number): [number, number] {
   const f = 1 / Math.tan((20 * Math.PI) / 180);
   const depth = y + 4;

@@ -1,13 +1,13 @@
-// Which body is under the cursor.
+// Finds the body under the cursor.
 import { type Camera, Raycaster, Vector2, Vector3 } from "three";
 import type { Bodies, Body } from "./bodies";
 
-/** A vehicle is a thin thing: this far beside it still grabs it, px. */
+/** A cursor this far beside the vehicle still grabs it, because a vehicle has thin parts, px. */
 const GRAB_WITHIN_PX = 40;
 
 export interface Picked {
   body: Body;
-  /** Where the body was met, world frame, m. */
+  /** The point at which the ray of the cursor meets the body, in the world, m. */
   point: Vector3;
 }
 
@@ -20,13 +20,13 @@ export class Picker {
     private readonly canvas: HTMLElement,
   ) {}
 
-  /** Place of a pointer in the picture: -1 to 1, y up. */
+  /** Position of a pointer in the picture: -1 to 1, y up. */
   ndc(clientX: number, clientY: number, out: Vector2): Vector2 {
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
     return out.set(((clientX - left) / width) * 2 - 1, 1 - ((clientY - top) / height) * 2);
   }
 
-  /** Where a point of the world is on the page, CSS px. */
+  /** Position of a world point on the page, CSS px. */
   onPage(point: Vector3): [number, number] {
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
     this.place.copy(point).project(this.camera);
@@ -45,7 +45,7 @@ export class Picker {
     return body === undefined ? undefined : { body, point: hit.point };
   }
 
-  /** The vehicle at `ndc`, or the middle of its nearest link if the cursor is close beside. */
+  /** The point of the vehicle at `ndc`, or the centre of its nearest link if the cursor is close beside the vehicle. */
   grab(bodies: Bodies, ndc: Vector2, clientX: number, clientY: number): Picked | undefined {
     const hit = this.pick(bodies, ndc);
     if (hit?.body.group === "vehicle") return hit;

@@ -1,24 +1,24 @@
-// The mouse on the 3-D view: hovering points at a body, a click chooses it, Ctrl+drag on the vehicle pushes it. Orbiting
-// stays with OrbitControls, which sees nothing of a push.
+// The mouse on the 3-D view: hovering marks a body, a click chooses it, and Ctrl+drag on the vehicle pushes it. OrbitControls turns
+// the camera and gets no events of a push.
 import { Vector2, Vector3 } from "three";
 import type { Bodies, Body } from "./bodies";
 import { Picker } from "./pick";
 import { PushSpring } from "./push";
 
-/** A push is sent again this often while it is held; each lasts twice as long, so that a late one leaves no hole, ms. */
+/** During a drag a push is sent this often, ms. Each push lasts twice as long, so that a late message leaves no gap. */
 export const PUSH_EVERY_MS = 50;
 export const PUSH_LASTS_S = 0.1;
-/** A weaker push is a resting hand, N. */
+/** A weaker push is not sent, because the hand only rests, N. */
 const FAINTEST_N = 0.2;
 const HOVER_EVERY_MS = 100;
-/** A press that moves less than this is a click, px. */
+/** A press that moves the pointer less than this is a click, px. */
 const CLICK_PX = 6;
 
 export interface PointerHandlers {
   bodies(): Bodies | null;
   hovered(body: Body | undefined): void;
   chosen(body: Body | undefined): void;
-  /** The vehicle is to be pushed by `force`, N in the world, for `PUSH_LASTS_S`. */
+  /** Pushes the vehicle by `force`, N in the world, for `PUSH_LASTS_S`. */
   pushed(force: Vector3): void;
   /** Whether a push would do anything now. */
   pushable(): boolean;
@@ -26,7 +26,7 @@ export interface PointerHandlers {
 
 export class Pointer {
   readonly spring = new PushSpring();
-  /** Last place of the cursor, page px. */
+  /** Last position of the cursor, page px. */
   readonly cursor = new Vector2(NaN, NaN);
   private readonly ndc = new Vector2();
   private readonly pressedAt = new Vector2(NaN, NaN);
@@ -43,7 +43,7 @@ export class Pointer {
     private readonly picker: Picker,
     private readonly handlers: PointerHandlers,
   ) {
-    // Before OrbitControls, which listens to the canvas itself.
+    // The capture phase comes before OrbitControls, which listens to the canvas itself.
     frame.addEventListener("pointerdown", (event) => this.down(event), { capture: true });
     frame.addEventListener("contextmenu", (event) => event.target === canvas && event.preventDefault());
     canvas.addEventListener("pointerleave", () => this.leave());
@@ -54,7 +54,7 @@ export class Pointer {
     document.addEventListener("visibilitychange", () => document.hidden && this.release());
   }
 
-  /** The vehicle is held. */
+  /** Whether the operator is pushing the vehicle. */
   get pushing(): boolean {
     return this.held !== undefined;
   }
@@ -66,7 +66,7 @@ export class Pointer {
     this.canvas.style.cursor = "";
   }
 
-  /** Looks what is under a resting cursor, and pulls the spring after a moving vehicle; true while it is held. */
+  /** Finds the body under a resting cursor, or moves the spring with the vehicle; returns true during a push. */
   frame(now: number): boolean {
     if (this.held !== undefined) {
       this.pull();
@@ -104,7 +104,7 @@ export class Pointer {
 
   private move(event: PointerEvent): void {
     this.cursor.set(event.clientX, event.clientY);
-    // While a button is held the picture turns, and what passes under the cursor is of no interest.
+    // While a button is pressed the picture turns, and bodies that pass under the cursor are not marked.
     this.inside = event.target === this.canvas && event.buttons === 0 && event.pointerType !== "touch";
   }
 

@@ -2,7 +2,7 @@ import { PerspectiveCamera, Vector2, Vector3 } from "three";
 import { describe, expect, it } from "vitest";
 import { MOST_PUSH_N, PushSpring, SPRING_N_PER_M } from "./push";
 
-/** A double through a projection and back. */
+/** Tolerance for a double that was projected and unprojected. */
 const ROUNDING = 1e-9;
 
 function camera(): PerspectiveCamera {
@@ -14,7 +14,7 @@ function camera(): PerspectiveCamera {
   return made;
 }
 
-/** Where three itself projects `point` to. */
+/** Position to which three.js projects `point`. */
 function seen(point: Vector3, by: PerspectiveCamera): Vector2 {
   const { x, y } = point.clone().project(by);
   return new Vector2(x, y);

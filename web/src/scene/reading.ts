@@ -1,4 +1,4 @@
-// What is known of one body now, in the units people read.
+// The current values of one body, in the units that the card shows.
 import { Matrix4, Vector3 } from "three";
 import type { SceneGroup, StateInfo } from "../protocol";
 import { rollPitchYawDeg } from "./attitude";
@@ -9,17 +9,17 @@ import type { World } from "./world";
 export interface BodyReading {
   name: string;
   group: SceneGroup;
-  /** Null where it is not told. */
+  /** Mass; null if the scene does not tell it. */
   massKg: number | null;
-  /** World, m. */
+  /** Position in the world, m. */
   position: [number, number, number];
-  /** Degrees. */
+  /** Roll, pitch and yaw, degrees. */
   rollPitchYaw: [number, number, number];
-  /** World, m/s. */
+  /** Velocity in the world, m/s. */
   velocity: [number, number, number];
   contactN: number;
   contactPoints: number;
-  /** Null for what has no reference. */
+  /** Distance from the reference; null for a body without a reference. */
   offReferenceM: number | null;
 }
 

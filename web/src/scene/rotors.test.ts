@@ -36,7 +36,7 @@ describe("Rotors", () => {
       expect(b.length()).toBeCloseTo(a.length(), 6);
       return Math.atan2(a.x * b.y - a.y * b.x, a.dot(b));
     });
-    // 0.6 turns a second at 1 N, twice that at 4 N, for 0.05 s.
+    // The rotor makes 0.6 turns per second at 1 N and twice as many at 4 N, for 0.05 s.
     const angle = 0.6 * 2 * 0.05 * 2 * Math.PI;
     expect(turned[0]).toBeCloseTo(angle, 5);
     expect(turned[1]).toBeCloseTo(-angle, 5);

@@ -1,6 +1,6 @@
-// Rotor discs with a hint of blades: they turn, and show more the harder the rotor pulls. The speed is a hint, not the
-// rotor's own: at a true 100 turns a second a picture sixty times a second would stand still or run backwards. All of it is
-// one mesh, its blades turned corner by corner: without a graphics card every mesh costs more than all of these corners.
+// Rotor discs with faint blades that turn and become more visible with the thrust. They turn much slower than the real rotor: at its
+// 100 turns per second, 60 pictures per second would show blades that stand still or run backwards. All rotors are one mesh whose
+// blade corners are computed anew, because without a graphics card every further mesh costs more than all of these corners.
 import { type BufferAttribute, type BufferGeometry, CircleGeometry, Color, DoubleSide, Float32BufferAttribute, Mesh, MeshBasicMaterial, RingGeometry } from "three";
 import { mergeGeometries } from "three/examples/jsm/utils/BufferGeometryUtils.js";
 import type { SceneRotor } from "../protocol";
@@ -10,16 +10,16 @@ export const RIM_ALPHA = 0.45;
 const BLADE_RAD = 0.7;
 const BLADE_ALPHA_PER_NEWTON = 0.022;
 const MOST_BLADE_ALPHA = 0.34;
-/** At 1 N; grows with the root of the thrust, as the true speed does. */
+/** Turns per second at 1 N. The speed grows with the root of the thrust, as that of a real rotor. */
 const TURNS_PER_S = 0.6;
-/** A page that was hidden for a while does not wind the rotors up, s. */
+/** Longest time step of the turn, s, so that a page that was hidden for a while does not turn the rotors far at once. */
 const LONGEST_STEP_S = 0.1;
 
 export function glass(color: string, opacity: number): MeshBasicMaterial {
   return new MeshBasicMaterial({ color: new Color(color), opacity, transparent: true, depthWrite: false, side: DoubleSide, forceSinglePass: true });
 }
 
-/** The rims of all rotors; nothing for a vehicle without rotors. */
+/** The rims of all rotors; empty for a vehicle without rotors. */
 export function rims(rotors: SceneRotor[], material: MeshBasicMaterial): Mesh[] {
   return rotors.length === 0 ? [] : [new Mesh(mergeGeometries(rotors.map(rim)), material)];
 }
@@ -32,18 +32,18 @@ function disc({ radius_m, position_in_body }: SceneRotor): BufferGeometry {
   return bare(new CircleGeometry(radius_m, 32)).translate(...position_in_body);
 }
 
-/** Two sectors around the origin. */
+/** The blades of one rotor: two sectors around the origin. */
 function blades({ radius_m }: SceneRotor): BufferGeometry {
   const sector = (start: number): BufferGeometry => bare(new CircleGeometry(radius_m * 0.95, 6, start, BLADE_RAD));
   return mergeGeometries([sector(0), sector(Math.PI)]);
 }
 
-/** Corners alone. */
+/** The geometry with positions only. */
 function bare(geometry: BufferGeometry): BufferGeometry {
   return geometry.deleteAttribute("normal").deleteAttribute("uv");
 }
 
-/** Blades of one rotor: their corners at rest, x y z in m, and where they are among those of the mesh. */
+/** Blades of one rotor: their corners at rest, x y z in m, and the index of their first corner in the mesh. */
 interface Blades {
   rest: ArrayLike<number>;
   first: number;
@@ -51,7 +51,7 @@ interface Blades {
 }
 
 export class Rotors {
-  /** None for a vehicle without rotors. */
+  /** The mesh of all rotors; empty for a vehicle without rotors. */
   readonly meshes: Mesh<BufferGeometry, MeshBasicMaterial>[] = [];
   private readonly blades: Blades[] = [];
 
@@ -80,7 +80,7 @@ export class Rotors {
     const material = glass(color, 1);
     material.vertexColors = true;
     const mesh = new Mesh(geometry, material);
-    // Blades come into their place with the first turn, inside the discs.
+    // The first turn moves the blades to their discs; before it their bounds would be wrong.
     mesh.frustumCulled = false;
     this.meshes.push(mesh);
   }
@@ -89,7 +89,7 @@ export class Rotors {
     this.meshes.forEach(({ material }) => material.color.set(color));
   }
 
-  /** Turns the blades by `dt` seconds at the thrusts (N) from `offset` of `values` on; unknown thrust shows no blades. */
+  /** Turns the blades for `dt` seconds at the thrusts (N) in `values` from `offset` on. A rotor with unknown thrust shows no blades. */
   turn(dt: number, values: Float32Array, offset: number): void {
     const geometry = this.meshes[0]?.geometry;
     if (geometry === undefined) return;

@@ -1,4 +1,4 @@
-// What the operator wants to see in the 3-D view; kept by the browser from one visit to the next.
+// The operator's settings of the 3-D view. The browser keeps them from one visit to the next.
 
 export const ARROWS = ["thrust", "total_thrust", "estimate", "adapter", "contact", "wind"] as const;
 export type ArrowKind = (typeof ARROWS)[number];
@@ -8,7 +8,7 @@ export const MARKS = ["trail", "reference_trail", "ghost"] as const;
 export type MarkKind = (typeof MARKS)[number];
 export type ViewKind = ArrowKind | FrameKind | MarkKind;
 
-/** How much of the way is shown, s of simulated time; the last is all of it. */
+/** Choices for the length of the trails, s of simulated time; the last one is unlimited. */
 export const TRAIL_SPANS_S = [5, 15, 60, Infinity] as const;
 
 export interface ViewSettings {
@@ -39,7 +39,7 @@ export function firstSettings(): ViewSettings {
   return { shown: { ...FIRST }, trailS: FIRST_TRAIL_S };
 }
 
-/** Settings out of stored text; what it does not say, or says wrongly, is as at the first visit. */
+/** Settings from stored text; a missing or invalid setting has its value of the first visit. */
 export function parseSettings(text: string | null): ViewSettings {
   const settings = firstSettings();
   let stored: unknown;

@@ -1,4 +1,4 @@
-// A soft mark on the floor under the vehicle: without it the eye cannot tell near and low from far and high.
+// A soft mark on the floor under the vehicle. Without it a reader cannot tell a near and low vehicle from a far and high one.
 import { CircleGeometry, Mesh, MeshBasicMaterial, type Vector3 } from "three";
 
 const RADIUS_M = 0.3;
@@ -12,7 +12,7 @@ export class Shadow {
     this.mesh.visible = false;
   }
 
-  /** The vehicle is at `position`. */
+  /** Moves the mark under `position`. */
   follow({ x, y }: Vector3): void {
     this.mesh.position.set(x, y, ABOVE_FLOOR_M);
     this.mesh.visible = true;

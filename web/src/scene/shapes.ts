@@ -18,7 +18,7 @@ import {
 import { mergeGeometries } from "three/examples/jsm/utils/BufferGeometryUtils.js";
 import type { ScenePose, SceneShape, ShapeInfo } from "../protocol";
 
-/** Sides of something round of this radius, m: small things need few, and a software renderer pays for each. */
+/** Number of sides of a round shape of this radius, m. Small shapes get few sides, because a software renderer pays for each. */
 const sides = (radius: number): number => (radius < 0.02 ? 12 : radius < 0.05 ? 16 : 24);
 
 export function geometryOf(shape: SceneShape): BufferGeometry {
@@ -70,8 +70,8 @@ export function meshOf(info: ShapeInfo, material?: Material): Mesh {
 }
 
 /**
- * The shapes of one body. Opaque ones become a single mesh with a colour per corner: a vehicle of sixty shapes is then
- * drawn in eight calls, and calls are what a software renderer spends its time on.
+ * The meshes of one body. All opaque shapes become a single mesh with a colour per corner. A vehicle of sixty shapes is then drawn
+ * in eight calls, which matters because a software renderer spends its time on calls.
  */
 export function meshesOf(shapes: ShapeInfo[]): Mesh[] {
   const plain = shapes.filter(({ shape, rgba }) => shape.kind !== "mesh" && rgba[3] >= 1);
@@ -81,7 +81,7 @@ export function meshesOf(shapes: ShapeInfo[]): Mesh[] {
   return [new Mesh(merged, new MeshLambertMaterial({ vertexColors: true })), ...others];
 }
 
-/** Geometry in the body's frame with the shape's colour at every corner. */
+/** Geometry of a shape in the body's frame, with the shape's colour at every corner. */
 function coloured(info: ShapeInfo): BufferGeometry {
   const made = meshOf(info);
   made.updateMatrix();
@@ -95,7 +95,7 @@ function coloured(info: ShapeInfo): BufferGeometry {
   return geometry;
 }
 
-/** Frees what the graphics card holds for `root`. */
+/** Frees the memory of the graphics card for `root` and all its children. */
 export function dispose(root: Object3D): void {
   root.traverse((object) => {
     const mesh = object as Partial<Mesh>;

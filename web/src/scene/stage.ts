@@ -1,4 +1,4 @@
-// What does not depend on the flight: renderer, light and floor grid.
+// The parts of the 3-D view that do not depend on the flight: renderer, light and floor grid.
 import { Color, DirectionalLight, GridHelper, HemisphereLight, LineSegments, Mesh, PlaneGeometry, Scene, ShaderMaterial, type WebGLRenderer } from "three";
 import type { Palette } from "../panels/theme";
 import { directSurface, isSoftware, SoftwareSurface, type Surface } from "./surface";
@@ -6,17 +6,17 @@ import { directSurface, isSoftware, SoftwareSurface, type Surface } from "./surf
 const FLOOR_M = 20;
 const LINES_ALPHA = 0.55;
 const LARGEST_PIXEL_RATIO = 2;
-/** Pixels that a processor draws 30 times a second and still has time for charts; more are drawn coarser. */
+/** Most pixels that a processor draws 30 times a second with time left for charts; a larger view is drawn with fewer pixels. */
 const SOFTWARE_PIXELS = 400_000;
 
-/** Pixels drawn per CSS pixel of a view of this size. */
+/** Pixels drawn per CSS pixel along each axis, for a view of this size. */
 export function pixelRatio(software: boolean, width: number, height: number, screen: number): number {
   return software ? Math.min(1, Math.sqrt(SOFTWARE_PIXELS / (width * height))) : Math.min(LARGEST_PIXEL_RATIO, screen);
 }
 
 /**
- * One colour everywhere, in the encoding of the screen: other materials compute that for every pixel, which for a floor that
- * fills the picture takes a processor longer than all the rest of the picture.
+ * A material of one colour, already in the encoding of the screen. Other materials encode the colour of every pixel. For a floor
+ * that fills the picture a processor would need longer for this than for the rest of the picture.
  */
 function flatMaterial(opacity: number): ShaderMaterial {
   return new ShaderMaterial({
@@ -31,7 +31,7 @@ function paint({ uniforms }: ShaderMaterial, color: string): void {
   (uniforms["color"]?.value as Color).set(color).convertLinearToSRGB();
 }
 
-/** Sky, floor and the lines on it. */
+/** Colours of the sky, the floor and the lines on the floor. */
 export type StageColors = Pick<Palette, "sky" | "ground3d" | "floor">;
 
 export interface Stage {
@@ -44,7 +44,7 @@ export interface Stage {
 }
 
 export function buildStage(canvas: HTMLCanvasElement): Stage {
-  // What the surface shall be is known before its renderer can be asked, so a throw-away context is asked.
+  // The kind of the surface must be known before its renderer exists, so a temporary context tells it.
   const software = isSoftware();
   const surface = software ? new SoftwareSurface(canvas) : directSurface(canvas);
   const { renderer } = surface;

@@ -1,17 +1,18 @@
-// Where pictures appear. With a graphics card the page's canvas is drawn into. Without one the browser would hold the whole
-// page until the picture is computed and fetched, so it is drawn aside, fetched when it is ready, and put into the canvas.
+// The surfaces on which pictures appear. With a graphics card the renderer draws into the page's canvas. Without one the browser would
+// block the whole page until a picture is computed. The picture is therefore drawn into another canvas, read when it is ready, and
+// copied into the page's canvas.
 import { WebGLRenderer } from "three";
 import { handedOver } from "../plots/software";
 
 export interface Surface {
   renderer: WebGLRenderer;
-  /** Shows what has become ready; false while a picture is still being computed, and no other may be drawn. */
+  /** Shows a picture that is ready. Returns false while a picture is being computed; then no other picture may be drawn. */
   ready(): boolean;
-  /** What was drawn since the last call is one picture. */
+  /** Ends a picture: it consists of all that was drawn since the last call. */
   finish(): void;
 }
 
-/** WebGL works without a graphics card here: every pixel costs processor time. */
+/** Whether WebGL works without a graphics card, so that every pixel costs processor time. */
 export function isSoftware(): boolean {
   const gl = document.createElement("canvas").getContext("webgl2");
   if (gl === null) return true;
@@ -21,13 +22,13 @@ export function isSoftware(): boolean {
   return /SwiftShader|llvmpipe|Software/i.test(name);
 }
 
-/** Draws into `canvas` itself. */
+/** A surface that draws into `canvas` itself. */
 export function directSurface(canvas: HTMLCanvasElement): Surface {
   const renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: "high-performance" });
   return { renderer, ready: () => true, finish: () => undefined };
 }
 
-/** Draws aside and copies into `canvas`, without ever waiting for a picture. */
+/** A surface that draws into another canvas and copies into `canvas`, without ever waiting for a picture. */
 export class SoftwareSurface implements Surface {
   readonly renderer: WebGLRenderer;
   private readonly gl: WebGL2RenderingContext;
@@ -71,7 +72,7 @@ export class SoftwareSurface implements Surface {
     this.image = new ImageData(width, height);
     this.rows = new Uint8Array(this.image.data.length);
     this.buffer ??= gl.createBuffer();
-    // COPY, not READ: Chromium makes a second copy of what is to be read, and complains that it was made for nothing.
+    // STREAM_COPY and not STREAM_READ: for READ Chromium makes a second copy and warns that nothing uses it.
     gl.bindBuffer(gl.PIXEL_PACK_BUFFER, this.buffer);
     gl.bufferData(gl.PIXEL_PACK_BUFFER, this.rows.length, gl.STREAM_COPY);
     gl.bindBuffer(gl.PIXEL_PACK_BUFFER, null);
@@ -91,7 +92,7 @@ export class SoftwareSurface implements Surface {
   }
 }
 
-/** Copies rows of `stride` bytes in reverse: WebGL has the lowest first, a canvas the uppermost. */
+/** Copies lines of `stride` bytes in reverse order, because WebGL has the lowest line first and a canvas the uppermost. */
 export function turnOver(from: Uint8Array, to: Uint8ClampedArray, stride: number): void {
   for (let low = 0, high = from.length - stride; high >= 0; low += stride, high -= stride) to.set(from.subarray(low, low + stride), high);
 }

@@ -8,7 +8,7 @@ function block(group: SceneGroup, middle: [number, number, number], half: [numbe
   return { group, box, worldInverse: new Matrix4().makeTranslation(...middle).invert() };
 }
 
-// A cube of 5 cm on a table, held by a finger at its +y face; the finger's other end rests on nothing.
+// A cube of 5 cm stands on a table, and a finger presses on its +y face. The other end of the finger touches nothing.
 const cube = block("payload", [1, 0, 0.525], [0.025, 0.025, 0.025]);
 const table = block("arena", [1, 0, 0.25], [0.4, 0.4, 0.25]);
 const finger = block("vehicle", [1, 0.03, 0.54], [0.02, 0.005, 0.03]);

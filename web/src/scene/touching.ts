@@ -1,13 +1,13 @@
-// Which of the contact forces a body bears. Telemetry gives points and forces without names: a point belongs to the bodies
-// whose box it is in. The force given is the one on the payload, or where the payload has no part, on the vehicle.
+// Assigns contact forces to bodies. Telemetry gives points and forces without names; a point belongs to the bodies whose boxes
+// contain it. The given force acts on the payload; in a contact without the payload it acts on the vehicle.
 import { type Box3, type Matrix4, Vector3 } from "three";
 import type { SceneGroup } from "../protocol";
 
 const CONTACT_FLOATS = 6;
-/** Contact points lie on the surface, up to the solver's allowance, m. */
+/** Contact points may lie this far outside of a box, because the solver allows some distance from the surface, m. */
 const MARGIN_M = 0.004;
 
-/** A body as far as contacts are concerned: its box in its own frame. */
+/** The properties of a body that contacts need: its box in its own frame. */
 export interface Touchable {
   group: SceneGroup;
   box: Box3;
@@ -21,7 +21,7 @@ export function touches({ box, worldInverse }: Touchable, x: number, y: number, 
   return box.distanceToPoint(point) <= MARGIN_M;
 }
 
-/** Sum of the contact forces on `body`, world frame, N; returns how many points they act at. */
+/** Writes the sum of the contact forces on `body` into `out`, in the world, N; returns the number of their points. */
 export function contactForceOn(body: Touchable, payload: Touchable | undefined, contacts: Float32Array, out: Vector3): number {
   out.set(0, 0, 0);
   let points = 0;

@@ -1,19 +1,19 @@
-// The way something came, as one line of bounded length, wide enough to see from across a room, fading with age. One
-// quad per piece of the way, widened on the screen by the shader; nothing is computed per point and frame.
+// The path of a body as one line with a bounded number of points, which fades with age. Each piece of the path is a quad that the
+// shader widens on the screen, so that the line is visible from afar; the page computes nothing per point and frame.
 import { BufferGeometry, Color, Float32BufferAttribute, InstancedBufferGeometry, InstancedInterleavedBuffer, InterleavedBufferAttribute, Mesh, ShaderMaterial, Vector2, type ColorRepresentation } from "three";
 import { MARKS_LAYER } from "./layers";
 
 const POINTS = 2400;
-/** x y z (m), time (s), length of the way so far (m). */
+/** Numbers per point: x y z (m), time (s), and length of the path so far (m). */
 const FLOATS = 5;
-/** Of more changed places than this the whole is handed over. */
+/** With more changed ranges than this the whole buffer is uploaded. */
 const MOST_RANGES = 32;
-/** Points closer than this add nothing to the picture, m. */
+/** A new point must be at least this far from the last one, m. */
 const SPACING_M = 0.01;
 const WIDTH_PX = 2.2;
-/** One dash and one gap of a dashed line, m. */
+/** Length of one dash and one gap of a dashed line, m. */
 const DASH_M = 0.06;
-/** The oldest part of a trail of unlimited length is still this dense. */
+/** Opacity of the oldest part of a trail of unlimited length. */
 const FAINTEST = 0.25;
 
 const VERTEX = /* glsl */ `
@@ -76,7 +76,7 @@ export class Trail {
     this.line.layers.set(MARKS_LAYER);
   }
 
-  /** The picture is `width` by `height` CSS pixels. */
+  /** Takes the size of the picture, CSS px. */
   resize(width: number, height: number): void {
     (this.line.material.uniforms["halfPixel"]?.value as Vector2).set(2 / width, 2 / height);
   }
@@ -85,7 +85,7 @@ export class Trail {
     (this.line.material.uniforms["color"]?.value as Color).set(color);
   }
 
-  /** How far back it reaches, s. */
+  /** Sets the time by which the trail reaches back, s. */
   setSpan(span: number): void {
     this.span = span;
     const { fade } = this.line.material.uniforms;
@@ -97,7 +97,7 @@ export class Trail {
     return this.count;
   }
 
-  /** It was at (x, y, z) at `time`, s. */
+  /** Adds the position (x, y, z), m, which the body had at `time`, s. */
   add(x: number, y: number, z: number, time: number): void {
     if (!Number.isFinite(x + y + z)) return;
     const last = (this.count - 1) * FLOATS;
@@ -111,7 +111,7 @@ export class Trail {
     if (this.count === 1) this.firstTime = time;
   }
 
-  /** The line ends at (x, y, z), which it has reached at `time`, s. */
+  /** Moves the end of the line to (x, y, z), m, where the body is at `time`, s. */
   end(x: number, y: number, z: number, time: number): void {
     if (this.count === 0 || !Number.isFinite(x + y + z)) return;
     const k = this.count * FLOATS;
@@ -136,7 +136,7 @@ export class Trail {
     this.changed(k, FLOATS);
   }
 
-  /** These numbers are to be handed over with the next picture; a line that is not drawn collects no more than it can hold. */
+  /** Marks these numbers for upload with the next picture. The number of ranges is bounded, also while the line is not drawn. */
   private changed(from: number, count: number): void {
     const { buffer } = this;
     if (buffer.updateRanges.length >= MOST_RANGES) {
@@ -146,7 +146,7 @@ export class Trail {
     buffer.needsUpdate = true;
   }
 
-  /** Room for more: the oldest quarter goes. */
+  /** Drops the oldest quarter of the points to make room. */
   private thin(): void {
     const gone = POINTS >> 2;
     this.points.copyWithin(0, gone * FLOATS, this.count * FLOATS);

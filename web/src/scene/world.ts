@@ -1,5 +1,5 @@
-// The 3-D view: builds what hello describes, glides from one telemetry frame to the next, and draws only when something
-// changed. While the flight is held it shows the newest frame exactly as it came.
+// The 3-D view: builds the scene that hello describes, interpolates between telemetry frames, and draws only after a change. While
+// the flight is paused it shows the newest frame exactly.
 import { Vector3 } from "three";
 import type { Telemetry } from "../link/decode";
 import type { Palette } from "../panels/theme";
@@ -20,13 +20,13 @@ import { buildStage } from "./stage";
 
 const NOTHING = new Float32Array();
 const RENDER_SMOOTHING = 0.05;
-/** Without a graphics card every picture takes processor time from charts and gains: 30 a second are enough, ms. */
+/** The least time between two pictures without a graphics card, ms. Each picture then takes processor time from charts and gains. */
 const SOFTWARE_EVERY_MS = 30;
 
 export interface WorldHandlers {
-  /** The camera's mode changed by itself. */
+  /** Called when the operator's dragging has changed the mode of the camera. */
   mode(): void;
-  /** Another body, or none, is chosen. */
+  /** Called when another body, or none, was chosen. */
   chosen(): void;
   send(message: ClientMessage): void;
 }
@@ -43,9 +43,9 @@ export class World {
   glide = new Glide(1, this.channels.count);
   /** Contacts of the newest frame. */
   private contacts: Float32Array = NOTHING;
-  /** Mean time the page spends in drawing one picture, ms. */
+  /** Mean time that the page needs to draw one picture, ms. */
   renderMs = 0;
-  /** Pictures drawn. */
+  /** Number of pictures drawn. */
   pictures = 0;
   private readonly stage;
   private readonly hand: HandView;
@@ -55,7 +55,7 @@ export class World {
   private flying = false;
   private old = false;
   private dirty = true;
-  /** Something came that is not in its place yet. */
+  /** Whether a frame has arrived to which the bodies have not been moved yet. */
   private unplaced = false;
   private time = NaN;
   private renderedAt = 0;
@@ -111,12 +111,12 @@ export class World {
     return this.overlays.chosen.body;
   }
 
-  /** A push would do something: the flight runs, and is seen as it is. */
+  /** Whether a push has an effect: the flight runs, and the data are not stale. */
   get pushable(): boolean {
     return this.flying && !this.old;
   }
 
-  /** Whether ticks are being flown; a flight that is held is shown exactly as it stands. */
+  /** Takes whether the flight runs; a paused flight is shown exactly at its newest frame. */
   flow(flying: boolean): void {
     if (this.flying === flying) return;
     this.flying = flying;
@@ -125,7 +125,7 @@ export class World {
     this.place();
   }
 
-  /** What is shown is old: forces and wind of then are not drawn, and nobody can push. */
+  /** Takes whether the data are stale; then forces and wind are not drawn, and pushes are off. */
   age(old: boolean): void {
     if (this.old === old) return;
     this.old = old;
@@ -171,7 +171,7 @@ export class World {
     const reference = this.bodies.moving.length * POSE_FLOATS;
     const vehicle = (this.bodies.vehicle()?.index ?? 0) * POSE_FLOATS;
     if (frame.tSim < this.time) this.clear();
-    // The trail reaches to the frame before; its end is where the vehicle is shown.
+    // The trail gets the frame before this one; the end of the trail is the shown position of the vehicle.
     if (!Number.isNaN(this.time)) this.overlays.remember(target, vehicle, reference, this.time);
     target.set(frame.poses.subarray(0, reference));
     target.set(frame.reference, reference);
@@ -182,7 +182,7 @@ export class World {
     this.contacts = frame.contacts;
     this.overlays.contacts.update(frame.contacts);
     this.glide.arrived(performance.now(), !this.flying);
-    // A flight that flies is placed when it is drawn; there are more frames than pictures.
+    // While the flight runs the bodies are moved when a picture is drawn, because there are more frames than pictures.
     if (this.flying) this.unplaced = true;
     else this.place();
   }
@@ -195,7 +195,7 @@ export class World {
     this.touch();
   }
 
-  /** The settings have been changed: shows and keeps them. */
+  /** Shows and saves changed settings. */
   applySettings(): void {
     saveSettings(this.settings);
     this.overlays.apply();
@@ -208,7 +208,7 @@ export class World {
     this.touch();
   }
 
-  /** Chooses the next body (`by` 1) or the one before (-1). */
+  /** Chooses the next body (`by` is 1) or the one before (`by` is -1). */
   chooseNext(by: number): void {
     const bodies = this.bodies?.list() ?? [];
     const now = bodies.findIndex(({ name }) => name === this.chosenBody?.name);
@@ -221,7 +221,7 @@ export class World {
     this.handlers.send({ type: "disturb", disturbance: { kind: "push", force_n: [force.x, force.y, force.z], duration_s: duration } });
   }
 
-  /** Newest forces on the vehicle, N; NaN where unknown or old. */
+  /** Newest forces on the vehicle, N; NaN if they are unknown or stale. */
   forcesNow(): { total_thrust: number; estimate: number; adapter: number } {
     const k = this.scalarsAt;
     const { estimateAt, adapterAt } = this.channels;
@@ -230,12 +230,12 @@ export class World {
     return { total_thrust: estimateAt === 0 ? NaN : total, estimate: Math.hypot(...this.triple(k + estimateAt)), adapter: Math.hypot(...this.triple(k + adapterAt)) };
   }
 
-  /** Newest wind at the vehicle in the world, m/s; NaN where unknown or old. */
+  /** Newest wind at the vehicle in the world, m/s; NaN if it is unknown or stale. */
   windNow(): [number, number, number] {
     return this.triple(this.scalarsAt + this.channels.windAt);
   }
 
-  /** Contacts of the newest frame, if it is not old. */
+  /** Contacts of the newest frame; empty if the data are stale. */
   get contactsInSight(): Float32Array {
     return this.old ? NOTHING : this.contacts;
   }
@@ -285,12 +285,12 @@ export class World {
     return [this.newest(index), this.newest(index + 1), this.newest(index + 2)];
   }
 
-  /** Where the single numbers start in what glides. */
+  /** Index of the first single number among the interpolated values. */
   get scalarsAt(): number {
     return ((this.bodies?.moving.length ?? 0) + 1) * POSE_FLOATS;
   }
 
-  /** Puts bodies and overlays where the glide has them now. */
+  /** Moves bodies and overlays to their interpolated poses. */
   private place(): void {
     this.touch();
     this.unplaced = false;
@@ -299,7 +299,7 @@ export class World {
     this.bodies.update(shown, this.settings.shown.ghost);
     const vehicle = this.bodies.vehicle();
     if (vehicle !== undefined) {
-      // Contacts come with the newest frame; the bodies they act on are shown a little earlier.
+      // Contacts belong to the newest frame, but the bodies are shown a little earlier, so contacts are moved with the vehicle.
       const k = vehicle.index * POSE_FLOATS;
       this.lag.set((shown[k] ?? NaN) - (target[k] ?? NaN), (shown[k + 1] ?? NaN) - (target[k + 1] ?? NaN), (shown[k + 2] ?? NaN) - (target[k + 2] ?? NaN));
       if (Number.isFinite(this.lag.x)) this.overlays.contacts.root.position.copy(this.lag);

@@ -1,4 +1,4 @@
-//! The empty page, its script and its style, as the build script packed them; put together with a flight.
+//! Puts a flight into the empty page with its script and its style, which the build script packed.
 
 use std::io::Read;
 
@@ -9,11 +9,11 @@ use twin_scenario::markup::escaped;
 
 include!(concat!(env!("OUT_DIR"), "/replay.rs"));
 
-/// The page called `name` with `flight` in it.
+/// The page with the title `name` and the packed flight `flight`.
 pub(super) fn filled(name: &str, flight: &str) -> Result<String, ReplayError> {
     let assets = unpacked()?;
     let part = |key: &str| assets.get(key).map(String::as_str).ok_or(ReplayError::NoConsole);
-    // Within a script element only this would end it; in a string of the script `<\/` means the same.
+    // The text `</script` would end the script element. In a string of the script `<\/` means the same as `</`.
     let script = part("replay.js")?.replace("</script", "<\\/script");
     let title = format!("<title>{}</title>", escaped(name));
     let parts = [

@@ -1,4 +1,4 @@
-//! The ticks of a flight as the telemetry frames a console is sent, packed for a page.
+//! Encodes the ticks of a flight as the telemetry frames of the console's protocol, and packs them for a page.
 
 use std::io::Write;
 use std::sync::Arc;
@@ -14,10 +14,10 @@ use twin_core::tick::Tick;
 use twin_core::tuning::Tuning;
 use twin_record::scene::Scene;
 
-/// Every tick has its row of channels, but only every so many have poses: 50 pictures a second.
+/// Ticks per frame. Every tick has its row of channels; a frame has the poses of its last tick, so there are 50 pictures a second.
 const FRAME_TICKS: usize = 2;
 
-/// The frames of a flight, each as on the wire.
+/// The encoded frames of a flight.
 pub(super) fn frames(
     scene: &Scene,
     channels: &Channels,
@@ -43,7 +43,7 @@ pub(super) fn frames(
         .collect()
 }
 
-/// Base64 of a gzip of `head` and `frames`, each after its length in 32 bits, little-endian.
+/// Writes `head` and each of the `frames` after its length (u32, little-endian), compresses all with gzip and encodes it as base64.
 pub(super) fn packed(head: &[u8], frames: &[Vec<u8>]) -> std::io::Result<String> {
     let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
     for part in std::iter::once(head).chain(frames.iter().map(Vec::as_slice)) {

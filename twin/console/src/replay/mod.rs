@@ -1,7 +1,7 @@
 //! A recorded flight as one page that needs neither server nor network: the console's 3-D view, charts and events.
 //!
-//! In: a [`Recording`]. Out: HTML with script, style and flight inside. The flight is judged again from its ticks by the
-//! scenario it carries, so the page knows what was not kept and opens there. State: none.
+//! In: a [`Recording`]. Out: HTML with script, style and flight inside. The page judges the ticks again by the scenario in the
+//! recording, so it knows which demand failed first and opens there. State: none.
 
 mod frames;
 mod assets;
@@ -27,7 +27,7 @@ use twin_record::{Recording, RecordingError, read_recording};
 use twin_scenario::file::read_recorded;
 use twin_scenario::{ActuatorLimits, Assessor, DEFAULTS, Report, Scenario, Settings};
 
-/// Which telemetry rows fit the channels of a page; there is only one flight in it.
+/// Identifier that links the telemetry rows to the channels. A page has only one flight, so one identifier is enough.
 const SCHEMA_ID: u16 = 1;
 
 /// Why a page cannot be made.
@@ -41,20 +41,20 @@ pub enum ReplayError {
     Part {
         /// Name of the attachment or metadata.
         part: &'static str,
-        /// What is wrong with it.
+        /// The reason why the part is unusable.
         why: String,
     },
     /// This program was built without the console.
     #[error(
-        "this program was built without the console, whose parts the page is made of; build it with npm at hand and the feature web"
+        "this program was built without the console, whose parts the page needs; install npm and build it again with the feature web"
     )]
     NoConsole,
-    /// The stock viewer that the page is made of is not there.
-    #[error("{}: cannot read the stock viewer: {why}; run `twin viewers fetch` once, or say with --viewer-dir where it is", .path.display())]
+    /// The files of the stock viewer, which become part of the page, are missing.
+    #[error("{}: cannot read the stock viewer: {why}; run `twin viewers fetch` once, or give its folder as --viewer-dir", .path.display())]
     NoViewer {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// The reason why the file is unusable.
         why: String,
     },
     /// The flight cannot be packed.
@@ -65,21 +65,21 @@ pub enum ReplayError {
     Write {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         why: String,
     },
 }
 
-/// A demand of the scenario that the flight did not keep.
+/// A demand of the scenario that the flight did not meet.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Failure {
-    /// From when on it could no longer be kept, s.
+    /// Time of the flight from which on the demand could no longer be met, s.
     pub at_s: f64,
-    /// What, found and allowed.
+    /// One sentence: the demand, the value found and the value allowed.
     pub text: String,
 }
 
-/// What the page says of its flight; `web/src/replay/flight.ts` reads it.
+/// The description of the flight, which `web/src/replay/flight.ts` reads.
 #[derive(Serialize)]
 struct Head {
     hello: Hello,
@@ -94,8 +94,8 @@ struct Head {
     opens_at_s: f64,
 }
 
-/// Writes the page of the recording at `from` to `to`; returns the second it opens at. `report` is what the flight came to;
-/// without one it is judged again, except against a golden run, which a recording does not carry.
+/// Writes the page of the recording at `from` to `to`; returns the time at which the page opens, s. Without a `report` of
+/// the flight this function judges the flight again, but not against a golden run, because a recording contains none.
 ///
 /// # Errors
 /// [`ReplayError`] if the recording is not usable or the page cannot be written.
@@ -106,7 +106,7 @@ pub fn export(from: &Path, to: &Path, report: Option<&Report>) -> Result<f64, Re
     Ok(opens_at_s)
 }
 
-/// The page of a flight, and the second it opens at: where it first failed, else its start.
+/// The page of a flight, and the time at which it opens, s: the first failure, or the start if nothing failed.
 ///
 /// # Errors
 /// [`ReplayError`] if the recording lacks a part.
@@ -117,10 +117,10 @@ pub fn page(recording: &Recording, report: Option<&Report>) -> Result<(String, f
     let limits = recording.metadata.get("actuator_limits").map(String::as_bytes);
     let mirrored = recording.is_mirrored();
     let scenario = if mirrored { of_recording(recording)? } else { scenario(recording)? };
-    // A flight of others has nothing to keep.
+    // No scenario makes demands on a mirrored flight.
     let judged = || (!mirrored).then(|| judged(&scenario, &recording.ticks)).flatten();
     let report = report.cloned().or_else(judged);
-    // Recordings made before predictors said anything had one without a network.
+    // A recording without information about the predictor is old; its predictor had no network.
     let predictor = recording.metadata.get("predictor").map(String::as_str).unwrap_or_default();
     let predictor: PredictorInfo = serde_json::from_str(predictor).unwrap_or_default();
     let channels = if mirrored {
@@ -146,7 +146,7 @@ fn json_part<T: serde::de::DeserializeOwned>(
         .map_err(|error| ReplayError::Part { part, why: error.to_string() })
 }
 
-/// Of a foreign flight: nothing but its name is known.
+/// The scenario of a mirrored flight: the recording gives only its name.
 fn of_recording(recording: &Recording) -> Result<Scenario, ReplayError> {
     let name = recording.metadata.get("scenario").cloned().unwrap_or_default();
     Scenario::of_recording(&name, &PathBuf::from(&name))
@@ -167,7 +167,7 @@ fn scenario(recording: &Recording) -> Result<Scenario, ReplayError> {
     Ok(Scenario { file: PathBuf::from(&name).with_extension("toml"), name, settings })
 }
 
-/// What the flight came to; nothing if it has no end.
+/// The report of the flight; `None` if its last tick is missing.
 fn judged(scenario: &Scenario, ticks: &[Tick]) -> Option<Report> {
     let mut assessor = Assessor::new(scenario);
     let end = ticks.iter().find_map(|tick| assessor.add(tick))?;

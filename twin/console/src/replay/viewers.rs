@@ -1,4 +1,4 @@
-//! A recorded flight for the two other viewers: a page of MeshCat's that plays it, and viser's recording, alone or in a page.
+//! Exports a recorded flight to the two stock viewers: as a MeshCat page, as a viser recording, or as a viser page.
 //!
 //! In: a [`Recording`], and for a page the viewer's own files. Out: a file that needs no server. State: none.
 
@@ -12,10 +12,10 @@ use crate::server::viewers::{MESHCAT, VISER, Wheel, export};
 use twin_record::scene::Scene;
 use twin_record::{Recording, read_recording};
 
-/// Slow enough to be small: a flight is written once.
+/// Level of zstd. A flight is written once, so a small file matters more than a fast compression.
 const COMPRESSION_LEVEL: i32 = 9;
 
-/// As meshcat-python writes its own static page.
+/// The page that meshcat-python writes as its static page.
 const MESHCAT_PAGE: &str = "<!doctype html>
 <html lang=\"en\">
 <head><meta charset=\"utf-8\"><title>/*title*/</title>
@@ -30,7 +30,7 @@ const MESHCAT_PAGE: &str = "<!doctype html>
 </script></body></html>
 ";
 
-/// Writes a page that plays the recording at `from` in MeshCat's viewer, which lies below `viewers`.
+/// Writes a page to `to` that plays the recording at `from` in MeshCat's viewer; `viewers` is the folder of the stock viewers.
 ///
 /// # Errors
 /// [`ReplayError`] if the recording is not usable, the viewer is not there, or the page cannot be written.
@@ -51,8 +51,8 @@ pub fn export_meshcat(from: &Path, to: &Path, viewers: Option<&Path>) -> Result<
     write(to, page.as_bytes())
 }
 
-/// Writes the recording at `from` as viser's: as a page with viser's client, which lies below `viewers`, if `to` ends in
-/// `html`, else alone.
+/// Writes the recording at `from` in viser's format: as a page with viser's client if `to` ends in `html`, else as a `.viser`
+/// file. `viewers` is the folder of the stock viewers.
 ///
 /// # Errors
 /// [`ReplayError`] if the recording is not usable, the viewer is not there, or the file cannot be written.
@@ -64,7 +64,7 @@ pub fn export_viser(from: &Path, to: &Path, viewers: Option<&Path>) -> Result<()
     let mut bytes = (inner.len() as u64).to_le_bytes().to_vec();
     bytes.extend(zstd::bulk::compress(&inner, COMPRESSION_LEVEL)?);
     let Some(client) = client else { return write(to, &bytes) };
-    // What viser's own `as_html` puts in.
+    // viser's own `as_html` inserts the same script.
     let data = format!(
         "<script>window.__VISER_EMBED_DATA__=\"{}\";window.__VISER_EMBED_CONFIG__={{darkMode:false}};</script></head>",
         STANDARD.encode(bytes)

@@ -1,3 +1,3 @@
-//! The console as the build script packed it; empty if this build has none.
+//! The files of the console, which the build script packed. The table is empty if this build has no console.
 
 include!(concat!(env!("OUT_DIR"), "/assets.rs"));

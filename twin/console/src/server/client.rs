@@ -1,5 +1,5 @@
-//! One connection: a task that reads and a task that writes, joined by the client's outbox. What is said and heard is the
-//! [`Dialect`]'s: the console's here, those of the stock viewers in [`crate::server::viewers`].
+//! One connection: a task that reads and a task that writes; the client's outbox joins them. A [`Dialect`] encodes and decodes
+//! the messages: the console's dialect stands here, those of the stock viewers in [`crate::server::viewers`].
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -26,52 +26,54 @@ use crate::server::rate::{Admission, Bucket, MESSAGES_PER_S};
 /// Longest message a client may send, bytes.
 pub(super) const LONGEST_MESSAGE: usize = 64 * 1024;
 
-/// Room that each connection has for what comes in, bytes: clients say little at a time.
+/// Size of each connection's read buffer, bytes. It is small because clients send short messages.
 const READ_BUFFER: usize = 8 * 1024;
 
-/// Most rows in a frame: a connection keeps the room that its largest frame took.
+/// Most rows in a frame. A connection never frees the memory that its largest frame took, so frames are kept small.
 const PART_ROWS: usize = 128;
 
-/// Batches of a page are at least this far apart, more than any screen shows; ticks that fall between share one.
+/// The least time between two batches to a page. No screen shows 200 pictures per second, so several ticks may share a batch.
 const GAP: Duration = Duration::from_millis(5);
 
-/// Each client sets the batches of all so much further apart: a crowd takes no more of the machine than fifty clients do.
+/// With more than fifty clients the least time between two batches is this time for each of them, so that all clients together
+/// get no more batches per second than fifty clients do.
 const SHARE: Duration = Duration::from_micros(100);
 
-/// A client that takes nothing for this long is gone.
+/// The server closes a connection whose client accepts no data for this long.
 const SEND_TIMEOUT: Duration = Duration::from_secs(20);
 
-/// A connection that is to be closed may go on for this long to take its reason.
+/// The server waits this long for a client to receive the reason why its connection closes.
 const LINGER: Duration = Duration::from_secs(2);
 
-/// What a kind of client says and hears; the reading and the writing task share it.
+/// The protocol of one kind of client; the reading and the writing task share it.
 pub(super) trait Dialect: Send + Sync + 'static {
-    /// The next batch waits until the other side has taken the last one.
+    /// Whether the next batch waits until the client has received the last one.
     const ONE_IN_FLIGHT: bool;
 
-    /// Frames that say what waited, at `now_s` of the server's uptime.
+    /// Encodes the content of the outbox as frames; `now_s` is the server's uptime, s.
     fn compose(&self, parcel: Parcel, client: &Client, now_s: f64) -> Vec<Frame>;
 
-    /// Takes one frame of the client; control frames are dealt with already.
+    /// Handles one frame of the client; the caller has handled control frames already.
     fn hear(&self, frame: &Frame, client: &Client, app: &App);
 }
 
-/// Who takes what a connection sends.
+/// The receiver at the other end of a connection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Taker {
-    /// A page draws a picture now and then.
+    /// A page in a browser, which draws at most as often as its screen shows pictures.
     Page,
-    /// A program may want every tick, and takes the next batch when it has read the last one.
+    /// A program, which may want every tick and gets the next batch as soon as it has read the last one.
     Program,
 }
 
 impl Taker {
-    /// Browsers name the page that opens a socket; programs have none to name.
+    /// A browser sends the header `Origin` with the page that opens the socket; a program sends none.
     pub(super) fn of(headers: &HeaderMap) -> Self {
         if headers.contains_key(ORIGIN) { Self::Page } else { Self::Program }
     }
 
-    /// The least time between two batches among `clients` clients; what `answers` sets the pace by itself.
+    /// The least time between two batches while `clients` clients are connected. A program that `answers` each batch sets the pace
+    /// by its answers.
     fn gap(self, answers: bool, clients: u32) -> Duration {
         let least = if self == Self::Program && answers { Duration::ZERO } else { GAP };
         let share = SHARE * clients;
@@ -97,23 +99,25 @@ impl Dialect for Console {
     fn hear(&self, frame: &Frame, client: &Client, app: &App) {
         match frame {
             Frame::Text(text) => handle(text.as_str(), client, app),
-            _ => client
-                .notice(NoticeLevel::Warning, "binary messages mean nothing here; send JSON text"),
+            _ => client.notice(
+                NoticeLevel::Warning,
+                "binary messages are not understood here; send JSON text",
+            ),
         }
     }
 }
 
-/// Most of a parser's sentence that a notice repeats, characters.
+/// A notice quotes at most this many characters of a parser's error.
 const SHOWN_CHARACTERS: usize = 300;
 
-/// Whether the other side has taken the last batch: it answers the ping behind it.
+/// Tells whether the client has received the last batch: a ping follows the batch, and the client answers it with a pong.
 #[derive(Default)]
 struct Acknowledged {
     awaited: AtomicBool,
     arrived: Notify,
 }
 
-/// The socket of a client that speaks `dialect`.
+/// Accepts the socket of a client that speaks `dialect`.
 pub(super) fn connect(
     upgrade: WebSocketUpgrade,
     headers: &HeaderMap,
@@ -146,7 +150,7 @@ pub(super) async fn serve<D: Dialect>(socket: WebSocket, app: Arc<App>, dialect:
         () = read(&mut stream, &client, &app, &shared) => {
             client.close(1000, "bye");
             shared.1.arrived.notify_one();
-            // Closing with unread input resets the connection, and the other side would never see the reason.
+            // Closing a socket with unread input resets the connection, and the client would never see the reason.
             let drained = async { while let Some(Ok(_)) = stream.next().await {} };
             let _ = tokio::time::timeout(LINGER, async { tokio::join!(&mut writer, drained) }).await;
         }
@@ -195,13 +199,13 @@ async fn write<D: Dialect>(
 }
 
 impl Acknowledged {
-    /// The question, to be sent behind a batch and with it.
+    /// The ping that is sent together with a batch, as its last frame.
     fn ask(&self) -> Frame {
         self.awaited.store(true, Ordering::Relaxed);
         Frame::Ping(Bytes::new())
     }
 
-    /// Waits for the answer; `false` if the other side is gone.
+    /// Waits for the pong; returns `false` after closing the connection if none arrives in time.
     async fn wait(&self, sink: &mut SplitSink<WebSocket, Frame>) -> bool {
         if tokio::time::timeout(SEND_TIMEOUT, self.arrived.notified()).await.is_ok() {
             return true;
@@ -211,7 +215,7 @@ impl Acknowledged {
         false
     }
 
-    /// Notes an answer; `false` if nobody waits for one.
+    /// Notes a pong; returns `false` if no batch waits for one.
     fn note(&self) -> bool {
         let awaited = self.awaited.swap(false, Ordering::Relaxed);
         if awaited {
@@ -221,7 +225,7 @@ impl Acknowledged {
     }
 }
 
-/// Sends frames together: a viewer's tick is many of them, and each flush is a call of the system.
+/// Sends frames with one flush, because each flush is a system call and a viewer gets many frames per tick.
 async fn send(sink: &mut SplitSink<WebSocket, Frame>, frames: Vec<Frame>) -> bool {
     let sending = async {
         for frame in frames {
@@ -234,7 +238,7 @@ async fn send(sink: &mut SplitSink<WebSocket, Frame>, frames: Vec<Frame>) -> boo
 
 async fn say_farewell(sink: &mut SplitSink<WebSocket, Frame>, farewell: Farewell) {
     let frame = CloseFrame { code: farewell.code, reason: farewell.reason.into() };
-    // The other side may be gone already; there is nobody left to tell.
+    // An error means that the client is gone already, so nobody is left to tell.
     let _ =
         tokio::time::timeout(Duration::from_secs(1), sink.send(Frame::Close(Some(frame)))).await;
 }
@@ -277,7 +281,7 @@ async fn read<D: Dialect>(
     }
 }
 
-/// What to do with a message that arrives now; the client is told if it sends too many.
+/// Decides whether to handle a message that arrives now; tells the client if it sends too many.
 fn admit(bucket: &mut Bucket, client: &Client, app: &App) -> Admission {
     let admission = bucket.admit(app.uptime_s());
     match admission {
@@ -312,13 +316,13 @@ fn handle(text: &str, client: &Client, app: &App) {
     app.obey(message, client);
 }
 
-/// The start of a sentence, at most so many characters.
+/// The first `characters` characters of `text`, or all of it if it is shorter.
 pub(super) fn shown(text: &str, characters: usize) -> String {
     text.chars().take(characters).collect()
 }
 
 impl App {
-    /// Checks what a client asks and hands it to the flight; the client is told if it has no effect.
+    /// Checks a request of a client and hands it to the flight; tells the client if the request is refused.
     pub(super) fn obey(&self, message: ClientMessage, client: &Client) {
         if let Some(why) = mirrored::refusal(&message, self.mirrored) {
             return client.notice(NoticeLevel::Warning, why);
@@ -337,7 +341,7 @@ impl App {
     /// Hands a request to the flight without waiting.
     ///
     /// # Errors
-    /// A sentence for the operator if the flight takes no requests.
+    /// A sentence for the operator if the queue of requests is full or the flight has stopped.
     pub(super) fn ask(&self, request: Request) -> Result<(), &'static str> {
         self.requests.try_send(request).map_err(|error| match error {
             TrySendError::Full(_) => "the flight is busy; nothing was changed, try again",
@@ -359,7 +363,7 @@ mod tests {
             [page.gap(true, 1), program.gap(true, 1), program.gap(true, 50)],
             [ms(5), ms(0), ms(0)]
         );
-        // The console's rows pile up and go together, so nothing is lost by waiting.
+        // The console's rows collect in the outbox and are sent together, so the wait loses none.
         assert_eq!(program.gap(false, 1), ms(5));
         assert_eq!([page, program].map(|taker| taker.gap(true, 200)), [ms(20); 2]);
     }

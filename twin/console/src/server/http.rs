@@ -1,5 +1,5 @@
-//! Routes: the page and its assets, `/ws`, the stock viewers, and `/api/…` as JSON. An upgrade at `/` is MeshCat: its stock
-//! viewer knows no other path.
+//! Routes: the page and its assets, `/ws`, the stock viewers, and `/api/…` as JSON. A WebSocket upgrade at `/` is a MeshCat
+//! client, because the stock viewer knows no other path.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -32,12 +32,12 @@ use crate::server::viewers::pages;
 use crate::server::{App, assets, metrics, override_file};
 use twin_record::program;
 
-/// The page may load and talk to nothing but this server; style attributes are set by the sliders.
+/// The page may load from and talk to this server only. Inline styles are allowed because the sliders set style attributes.
 const POLICY: &str = "default-src 'none'; script-src 'self'; worker-src 'self' blob:; style-src 'self' 'unsafe-inline'; \
     img-src 'self' data: blob:; font-src 'self'; connect-src 'self'; base-uri 'none'; form-action 'none'; \
     frame-ancestors 'none'";
 
-/// Shown when the console is not part of this build.
+/// The page that the server shows if the console is not part of this build.
 const STATUS_PAGE: &str = "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>twin</title>\
     <body style=\"font:16px system-ui;margin:3em;max-width:40em\"><h1>twin</h1>\
     <p>The flight runs, but this build has no console: build with npm installed, or without \
@@ -60,7 +60,7 @@ pub(super) fn router(app: Arc<App>) -> Router {
         .with_state(app)
 }
 
-/// Refuses foreign hosts and pages, and adds the headers that every answer has.
+/// Refuses requests of foreign hosts and pages, and adds the headers that every answer has.
 async fn guard(request: Request, next: Next) -> Response {
     let headers = request.headers();
     let host = text(headers, &HOST);
@@ -76,13 +76,13 @@ async fn guard(request: Request, next: Next) -> Response {
         (CONTENT_SECURITY_POLICY, POLICY),
         (REFERRER_POLICY, "no-referrer"),
     ] {
-        // The viewers' pages need a policy of their own.
+        // The routes of the viewers' pages have set their own policy already.
         response.headers_mut().entry(name).or_insert(HeaderValue::from_static(value));
     }
     response
 }
 
-/// A header as text; one that is present but no text is an empty name, which no check accepts.
+/// A header as text. A header that is present but not valid text counts as an empty name, which every check refuses.
 fn text<'a>(headers: &'a HeaderMap, name: &HeaderName) -> Option<&'a str> {
     headers.get(name).map(|value| value.to_str().unwrap_or_default())
 }
@@ -122,7 +122,7 @@ fn find(path: &str) -> Option<Response> {
     let mut response = Bytes::from_static(bytes).into_response();
     let headers = response.headers_mut();
     headers.insert(CONTENT_TYPE, HeaderValue::from_static(mime));
-    // Names of built assets change with their content; those of pages do not.
+    // The name of a built asset changes with its content, so a browser may cache it forever. The name of a page stays.
     let cache = if name.starts_with("assets/") {
         "public, max-age=31536000, immutable"
     } else {
@@ -178,7 +178,7 @@ struct NamedValue {
     value: f64,
 }
 
-/// Queues one gain; it takes effect between two ticks, so the answer is "accepted".
+/// Queues one gain. The answer is "accepted", because the gain takes effect later, between two ticks.
 async fn set_gain(
     State(app): State<Arc<App>>,
     body: Result<Json<NamedValue>, JsonRejection>,

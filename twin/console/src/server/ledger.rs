@@ -1,18 +1,18 @@
-//! What is said about gains that change: a slider that is dragged makes two events, at its start and where it comes to
-//! rest, not fifty.
+//! Decides which changes of gains become events. A dragged slider changes its gain fifty times but makes two events: one at
+//! the start of the drag and one where the slider comes to rest.
 
 use std::collections::BTreeMap;
 
 use twin_core::elementary::{log10, powi};
 use twin_core::tuning::Tuning;
 
-/// A gain at rest for this long has its new value, ticks.
+/// A gain that has not changed for this long has come to rest, ticks.
 const REST_TICKS: u64 = 50;
 
-/// Nothing is said about one gain for this long after an event, ticks.
+/// After an event a gain makes no event at once for this long, ticks; its later changes wait until it comes to rest.
 const QUIET_TICKS: u64 = 100;
 
-/// One gain that changed.
+/// The recent changes of one gain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Entry {
     /// Value at the last event.
@@ -22,14 +22,14 @@ struct Entry {
     changed_at: u64,
 }
 
-/// Gains about which something was said.
+/// The gains that changed recently, by name.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Ledger {
     entries: BTreeMap<String, Entry>,
 }
 
 impl Ledger {
-    /// Gain `name` goes from one value to another at `tick`; the sentence to be said at once, if any.
+    /// Takes a change of the gain `name` at `tick`; returns the text of the event if one is due at once.
     pub(super) fn change(&mut self, name: &str, [from, to]: [f64; 2], tick: u64) -> Option<String> {
         if let Some(entry) = self.entries.get_mut(name) {
             (entry.now, entry.changed_at) = (to, tick);
@@ -40,7 +40,7 @@ impl Ledger {
         Some(sentence(name, from, to))
     }
 
-    /// Sentences about the gains that have come to rest before `tick`; forgets those that stay.
+    /// Texts of the events of all gains that have come to rest before `tick`; forgets gains without recent changes.
     pub(super) fn settle(&mut self, tick: u64) -> Vec<String> {
         let mut said = Vec::new();
         for (name, entry) in &mut self.entries {
@@ -65,7 +65,7 @@ fn sentence(name: &str, from: f64, to: f64) -> String {
     format!("{label} ({name}) {} -> {}", short(from), short(to))
 }
 
-/// At most six significant digits.
+/// Rounds to six significant digits.
 fn short(value: f64) -> f64 {
     if value == 0.0 || !value.is_finite() {
         return value;

@@ -1,4 +1,4 @@
-//! The recording of a served flight: one file per flight, and a slow disk never slows the flight.
+//! Records served flights: one file per flight. A slow disk never slows the flight.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -6,7 +6,7 @@ use std::sync::Arc;
 use twin_core::tick::Tick;
 use twin_record::{Recorder, RecordingEnd, RecordingError, RecordingInfo};
 
-/// Where flights are recorded.
+/// Records the flights one after the other, or none.
 pub(super) struct Logbook {
     path: Option<PathBuf>,
     flights: u32,
@@ -14,12 +14,12 @@ pub(super) struct Logbook {
 }
 
 impl Logbook {
-    /// Records to `path`, or not at all.
+    /// Records to `path`; `None` records nothing.
     pub(super) fn new(path: Option<PathBuf>) -> Self {
         Self { path, flights: 0, open: None }
     }
 
-    /// Flights are recorded.
+    /// Whether flights are recorded.
     pub(super) fn is_wanted(&self) -> bool {
         self.path.is_some()
     }
@@ -27,7 +27,7 @@ impl Logbook {
     /// Opens the file of the next flight: `flight.mcap`, then `flight-2.mcap`, …
     ///
     /// # Errors
-    /// [`RecordingError`] if the file cannot be created; the flight goes on without.
+    /// [`RecordingError`] if the file cannot be created; the flight goes on without a recording.
     pub(super) fn begin(&mut self, info: &RecordingInfo) -> Result<(), RecordingError> {
         self.flights += 1;
         if let Some(path) = &self.path {
@@ -36,10 +36,10 @@ impl Logbook {
         Ok(())
     }
 
-    /// Records a tick; drops and counts it if the disk is too slow.
+    /// Records a tick. If the disk is too slow, it drops the tick and counts it.
     ///
     /// # Errors
-    /// [`RecordingError`] once, when the file can no longer be written; the flight goes on without.
+    /// [`RecordingError`] once, when the file can no longer be written; the flight goes on without a recording.
     pub(super) fn tick(&mut self, tick: &Arc<Tick>) -> Result<(), RecordingError> {
         let Some(recorder) = &mut self.open else { return Ok(()) };
         let result = recorder.offer(Arc::clone(tick));
@@ -49,7 +49,7 @@ impl Logbook {
         result.map(|_| ())
     }
 
-    /// Closes the file and says in one sentence what it holds; `None` if nothing was recorded.
+    /// Closes the file; returns one sentence about its content, or `None` if nothing was recorded.
     ///
     /// # Errors
     /// [`RecordingError`] if anything could not be written.

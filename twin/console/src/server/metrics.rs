@@ -1,11 +1,11 @@
-//! `/metrics` in the text format of Prometheus: how the flight keeps its time, and who watches.
+//! `/metrics` in the text format of Prometheus: the timing of the flight and the number of connected clients.
 
 use std::fmt::Write as _;
 
 use crate::server::pace::{EDGES_MS, Lateness};
 use crate::server::published::Published;
 
-/// The page.
+/// The text of `/metrics`; `uptime_s` is the time since the server started, s.
 pub(super) fn text(published: &Published, uptime_s: f64) -> String {
     let state = &published.state;
     let mut text = String::new();
@@ -72,7 +72,7 @@ mod tests {
         assert_eq!([bucket("0.1"), bucket("+Inf")], ["4", "5"]);
         assert_eq!(value("twin_tick_lateness_seconds_count"), "5");
         let sum: f64 = value("twin_tick_lateness_seconds_sum").parse().expect("a number");
-        // A few roundings of 0.53.
+        // The tolerance is a few roundings of 0.53.
         assert!((sum - 0.53035).abs() < 1e-9);
         assert_eq!(value("twin_tick_lateness_max_seconds"), "0.5");
     }

@@ -1,4 +1,4 @@
-//! Stands for the Foxglove server in a build without the feature `foxglove-ws`.
+//! Replaces the Foxglove server in a build without the feature `foxglove-ws`.
 
 use std::net::{IpAddr, SocketAddr};
 use std::sync::Arc;
@@ -8,10 +8,10 @@ use tokio::task::JoinHandle;
 use crate::server::App;
 use crate::server::place::Beside;
 
-/// Refuses.
+/// Refuses to start a Foxglove server.
 ///
 /// # Errors
-/// Always: which feature is missing.
+/// Always: a sentence that names the missing feature.
 #[expect(clippy::unused_async, reason = "the server that it stands for is asynchronous")]
 pub(super) async fn start(
     _: IpAddr,

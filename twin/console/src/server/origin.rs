@@ -1,7 +1,7 @@
-//! Who may talk to the server: pages that it served itself, and programs on this machine.
+//! Checks who talks to the server. It accepts pages that it served itself, and programs on this machine.
 //!
-//! The server listens on loopback only, so a `Host` that is no loopback name comes from a foreign page whose name was
-//! made to point here; such a page would pass a comparison of `Origin` with `Host`.
+//! The server listens on loopback only. A `Host` that is no loopback name therefore comes from a foreign page whose DNS name
+//! points to this machine (DNS rebinding); such a page would pass a comparison of `Origin` with `Host`.
 
 use std::net::IpAddr;
 
@@ -13,20 +13,20 @@ pub(super) enum OriginError {
         "host {found:?} refused: expected localhost, 127.0.0.1 or [::1]; open the console under one of these names"
     )]
     Host {
-        /// What was sent.
+        /// The header that was sent.
         found: String,
     },
-    /// The page comes from elsewhere.
+    /// The page comes from another host.
     #[error(
         "origin {found:?} refused: expected a page of this server; open the console from the server itself"
     )]
     Origin {
-        /// What was sent.
+        /// The header that was sent.
         found: String,
     },
 }
 
-/// Checks the `Host` header of any request; absent counts as unknown and is refused.
+/// Checks the `Host` header of any request; a request without this header is refused.
 ///
 /// # Errors
 /// [`OriginError::Host`] if it is no loopback name.
@@ -37,9 +37,9 @@ pub(super) fn check_host(host: Option<&str>) -> Result<(), OriginError> {
     }
 }
 
-/// Checks the `Origin` header of an upgrade or a change. Absent is allowed: browsers always send it, and the server
-/// listens on loopback only. Any two loopback names count as equal, and so does any port: a page under development is
-/// served by another program of the same user.
+/// Checks the `Origin` header of an upgrade or a change. A request without this header is allowed: browsers always send it,
+/// and the server listens on loopback only. Any two loopback names count as equal, and any two ports do, because another
+/// program of the same user serves a page under development.
 ///
 /// # Errors
 /// [`OriginError::Origin`] if the page comes from another host.
@@ -55,7 +55,7 @@ pub(super) fn check_origin(origin: Option<&str>, host: Option<&str>) -> Result<(
     if matches!(scheme, "http" | "https") && same { Ok(()) } else { Err(refused()) }
 }
 
-/// `localhost` and every address that stays on this machine.
+/// Whether `name` is `localhost` or an address of the loopback interface.
 pub(super) fn is_loopback(name: &str) -> bool {
     name.eq_ignore_ascii_case("localhost")
         || name.parse::<IpAddr>().is_ok_and(|address| address.is_loopback())
@@ -71,7 +71,7 @@ fn host_name(authority: &str) -> &str {
         }
         _ => authority,
     };
-    // An address of IPv6 has colons of its own, and brackets that keep its last part from being read as a port.
+    // An IPv6 address contains colons; its brackets separate it from the port.
     match authority.strip_prefix('[').and_then(|rest| rest.split_once(']')) {
         Some((address, "")) => address,
         Some((address, _)) if name.ends_with(']') => address,

@@ -1,7 +1,7 @@
-//! What waits for one client: a bounded ring of telemetry rows, the newest picture, and messages.
+//! The outbox of one client: a bounded ring of telemetry rows, the newest picture, and messages.
 //!
-//! The flight never waits for a client. A slow one loses its oldest rows and is told how many; messages are never lost,
-//! because a client that lets too many pile up is sent everything anew instead.
+//! The flight never waits for a client. A slow client loses its oldest rows and is told how many. It loses no message without
+//! a replacement: if too many messages wait, a `hello` with the whole state replaces them.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -10,52 +10,52 @@ use crate::server::protocol::ServerMessage;
 use crate::server::published::Published;
 use crate::server::telemetry::{Picture, Telemetry};
 
-/// Rows that wait at most: 5 s of flight.
+/// Most rows that wait: 5 s of flight.
 pub(super) const MOST_ROWS: usize = 512;
 
-/// Rows of the past that a new client is given: a minute of flight.
+/// Most rows of the past that a new client gets: a minute of flight.
 const PAST_ROWS: usize = 6000;
 
-/// Messages that wait at most.
+/// Most messages that wait.
 pub(super) const MOST_MESSAGES: usize = 512;
 
-/// A message with its JSON text, made once for all clients; those that speak no JSON read the message.
+/// A message with its JSON text, which is made once for all clients. Clients that speak no JSON use the message itself.
 #[derive(Debug)]
 pub(super) struct Told {
-    /// What is said.
+    /// The message.
     pub message: ServerMessage,
-    /// The same as the console reads it.
+    /// The message as JSON, for the console.
     pub text: String,
 }
 
 impl From<ServerMessage> for Told {
     fn from(message: ServerMessage) -> Self {
         let text = serde_json::to_string(&message)
-            .inspect_err(|error| tracing::error!("a message has no JSON form: {error}"))
+            .inspect_err(|error| tracing::error!("cannot write a message as JSON: {error}"))
             .unwrap_or_default();
         Self { message, text }
     }
 }
 
-/// A message that waits.
+/// A message in an outbox.
 #[derive(Clone, Debug)]
 pub(super) enum Message {
-    /// Shared by all clients.
+    /// A message that is the same for all clients.
     Told(Arc<Told>),
-    /// A `hello`, to be written out for this client.
+    /// A `hello`, which is written separately for each client.
     Hello(Arc<Published>),
 }
 
-/// Why a connection is closed by the server.
+/// The reason why the server closes a connection.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Farewell {
     /// Close code of RFC 6455.
     pub code: u16,
-    /// One sentence.
+    /// The reason in one sentence.
     pub reason: String,
 }
 
-/// The newest rows of a flight with its picture, for clients that join later.
+/// The newest rows of a flight and the newest picture, for clients that join later.
 #[derive(Debug, Default)]
 pub(super) struct Past {
     rows: VecDeque<Arc<[f32]>>,
@@ -64,7 +64,7 @@ pub(super) struct Past {
 }
 
 impl Past {
-    /// Remembers a tick; one that does not follow the last begins a new past.
+    /// Adds a tick. A tick that does not follow the last one clears the past first.
     pub(super) fn push_tick(&mut self, tick: u64, row: Arc<[f32]>, picture: Arc<Picture>) {
         if tick != self.first_tick + self.rows.len() as u64 {
             self.rows.clear();
@@ -79,12 +79,12 @@ impl Past {
     }
 }
 
-/// What waits for one client.
+/// The rows, the picture and the messages that wait for one client.
 #[derive(Debug, Default)]
 pub(super) struct Outbox {
     messages: VecDeque<Message>,
     rows: VecDeque<Arc<[f32]>>,
-    /// How many of `rows` came with the past, and do not count as waiting.
+    /// Number of `rows` that came with the past; they do not count against [`MOST_ROWS`].
     past_rows: usize,
     first_tick: u64,
     gap: u32,
@@ -94,19 +94,19 @@ pub(super) struct Outbox {
     farewell: Option<Farewell>,
 }
 
-/// All that waited, to be sent in this order.
+/// The content of an outbox, in the order in which it is sent.
 #[derive(Debug, Default)]
 pub(super) struct Parcel {
-    /// Messages first: a `hello` comes before the rows it describes.
+    /// Messages. They come first, because a `hello` describes the rows that follow.
     pub messages: Vec<Message>,
     /// Rows with the newest picture.
     pub telemetry: Option<Telemetry>,
-    /// Close the connection after the rest.
+    /// The reason if the connection closes after the rest was sent.
     pub farewell: Option<Farewell>,
 }
 
 impl Parcel {
-    /// The same in parts of at most `most` rows, messages in the first; each has the newest picture.
+    /// Cuts the parcel into parts of at most `most` rows. The first part has the messages, and each part has the newest picture.
     pub(super) fn parts(self, most: usize) -> impl Iterator<Item = Self> {
         let mut messages = Some(self.messages);
         let mut rest = self.telemetry;
@@ -125,7 +125,7 @@ impl Parcel {
 }
 
 impl Outbox {
-    /// Puts a tick in; the oldest row goes if the ring is full.
+    /// Adds a tick; drops the oldest row if the ring is full.
     pub(super) fn push_tick(&mut self, tick: u64, row: Arc<[f32]>, picture: Arc<Picture>) {
         if self.rows.is_empty() {
             self.first_tick = tick;
@@ -139,7 +139,7 @@ impl Outbox {
         self.picture = Some(picture);
     }
 
-    /// Puts in what a client missed that has only just come.
+    /// Adds the past for a client that has just joined.
     pub(super) fn catch_up(&mut self, past: &Past) {
         self.rows.clone_from(&past.rows);
         self.past_rows = past.rows.len();
@@ -147,7 +147,7 @@ impl Outbox {
         self.picture.clone_from(&past.picture);
     }
 
-    /// Puts a message in; `false` if too many wait, and then nothing changed.
+    /// Adds a message; returns `false` and leaves the outbox unchanged if too many messages wait.
     #[must_use]
     pub(super) fn push_message(&mut self, message: Message) -> bool {
         let fits = self.messages.len() < MOST_MESSAGES;
@@ -157,13 +157,14 @@ impl Outbox {
         fits
     }
 
-    /// Replaces all waiting messages by a `hello`, which says the same.
+    /// Replaces all waiting messages by a `hello`, which contains the state that they led to.
     pub(super) fn start_over(&mut self, published: Arc<Published>) {
         self.messages.clear();
         self.messages.push_back(Message::Hello(published));
     }
 
-    /// Throws the rows of the flight before away; the next frame belongs to `schema_id`.
+    /// Drops the rows of the last flight; the next frame belongs to `schema_id`. With `reset` the next frame tells the client to
+    /// drop the rows that it has.
     pub(super) fn begin(&mut self, schema_id: u16, reset: bool) {
         self.rows.clear();
         self.past_rows = 0;
@@ -173,12 +174,12 @@ impl Outbox {
         self.schema_id = schema_id;
     }
 
-    /// Closes the connection after what waits.
+    /// Closes the connection after the waiting rows and messages were sent.
     pub(super) fn close(&mut self, farewell: Farewell) {
         self.farewell.get_or_insert(farewell);
     }
 
-    /// Takes all that waits.
+    /// Takes everything out of the outbox.
     pub(super) fn take(&mut self) -> Parcel {
         self.past_rows = 0;
         let telemetry = match (&self.picture, self.rows.is_empty()) {
@@ -290,7 +291,7 @@ mod tests {
         let first = outbox.take().telemetry.unwrap();
         assert_eq!((first.first_tick, first.gap, first.reset), (40, 0, false));
         assert_eq!(ticks_of(&first), (40..last + MOST_ROWS as u64).collect::<Vec<_>>());
-        // From now on it is a client like any other.
+        // The client has taken the past; from now on the limit of `MOST_ROWS` holds.
         push(&mut outbox, 0..MOST_ROWS as u64 + 1);
         assert_eq!(outbox.take().telemetry.unwrap().gap, 1);
     }
@@ -314,7 +315,7 @@ mod tests {
         assert_eq!(heads, [(7, 3, 200, 3, true), (7, 203, 200, 0, false), (7, 403, 112, 0, false)]);
         let messages: Vec<usize> = parts.iter().map(|part| part.messages.len()).collect();
         assert_eq!(messages, [1, 0, 0]);
-        // Without rows there is one part, that says what is to be said.
+        // Without rows there is one part, which has the messages.
         assert!(outbox.push_message(pong(2.0)));
         assert_eq!(outbox.take().parts(200).count(), 1);
     }

@@ -1,4 +1,4 @@
-//! The gains in force as the `[gains]` table of a scenario file.
+//! Writes the gains in force as the `[gains]` table of a scenario file.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -7,7 +7,7 @@ use crate::server::protocol::GainInfo;
 use crate::server::published::Published;
 use twin_core::notation::ROWS;
 
-/// Values in force that differ from the preset chosen last, as TOML with a comment that says where they come from.
+/// The preset chosen last and the gains whose values differ from it, as TOML. A comment names the flight and the tick.
 pub(super) fn text(published: &Published) -> String {
     let state = &published.state;
     let mut text = format!(
@@ -38,7 +38,7 @@ fn differs(gain: &GainInfo) -> bool {
     gain.value.to_bits() != gain.preset_value.to_bits()
 }
 
-/// A number as TOML writes floats: never an integer.
+/// A number as a TOML float; it always has a decimal point or an exponent, because TOML reads it as an integer otherwise.
 fn number(value: f64) -> String {
     format!("{value:?}")
 }

@@ -1,17 +1,17 @@
-//! When the next tick is due: wall-clock time stays in this file.
+//! Computes when the next tick is due. Only this file reads the wall clock.
 
 use std::time::{Duration, Instant};
 
 use twin_core::notation::TICK_S;
 
-/// A flight that is later than this does not hurry to catch up.
+/// A flight that lags more than this behind its deadlines does not catch up; its deadlines move instead.
 const MOST_LAG: Duration = Duration::from_millis(100);
 
-/// Where the time of a tick goes: the stages of [`twin_core::flight::Stage`] in their order, then publishing.
+/// The parts of a tick whose time is measured: the stages of [`twin_core::flight::Stage`] in their order, then publishing.
 pub(super) const STAGES: [&str; 7] =
     ["source", "predict", "task", "adapt", "control", "record", "publish"];
 
-/// The clock of this process.
+/// The wall-clock time.
 #[expect(clippy::disallowed_methods, reason = "pacing and timing a served flight")]
 pub(super) fn now() -> Instant {
     Instant::now()
@@ -25,12 +25,12 @@ pub(super) struct Pace {
 }
 
 impl Pace {
-    /// Ticks at `speed` simulated seconds per second (positive, finite), `None` as fast as possible, from `now` on.
+    /// Deadlines from `now` on for `speed` simulated seconds per second (positive, finite); `None` is as fast as possible.
     pub(super) fn new(speed: Option<f64>, now: Instant) -> Self {
         Self { speed, due: now }
     }
 
-    /// Simulated seconds per second that are asked for.
+    /// The requested speed, simulated seconds per second; `None` is as fast as possible.
     pub(super) fn speed(&self) -> Option<f64> {
         self.speed
     }
@@ -43,7 +43,7 @@ impl Pace {
         }
     }
 
-    /// How long ago the next tick was due; zero at full speed, where nothing is ever due.
+    /// How long ago the next tick was due; zero without a requested speed, because ticks then have no deadlines.
     pub(super) fn late(&self, now: Instant) -> Duration {
         match self.speed {
             None => Duration::ZERO,
@@ -51,8 +51,8 @@ impl Pace {
         }
     }
 
-    /// A tick was flown: the next one is due a period after the last deadline, so that delays do not add up. If the machine
-    /// cannot keep up, the clock of the flight falls behind instead.
+    /// Sets the next deadline after a tick. It lies one period after the last deadline, so that delays do not add up. If the
+    /// machine cannot keep up, the deadline moves to `now`, and the flight falls behind the wall clock.
     pub(super) fn ticked(&mut self, now: Instant) {
         let Some(speed) = self.speed else { return };
         self.due += Duration::from_secs_f64(TICK_S / speed);
@@ -62,10 +62,10 @@ impl Pace {
     }
 }
 
-/// Upper edges of the classes of lateness, ms.
+/// Upper edges of the bins of the lateness histogram, ms.
 pub(super) const EDGES_MS: [f64; 9] = [0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 25.0, 100.0];
 
-/// How late ticks began after their deadline.
+/// Histogram of the delay between the deadline of a tick and its begin.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Lateness {
     pub(super) counts: [u64; EDGES_MS.len() + 1],
@@ -74,7 +74,7 @@ pub(super) struct Lateness {
 }
 
 impl Lateness {
-    /// A tick began this long after its deadline.
+    /// Counts a tick that began `late` after its deadline.
     pub(super) fn count(&mut self, late: Duration) {
         let late_s = late.as_secs_f64();
         let class = EDGES_MS.iter().position(|edge| late_s * 1e3 <= *edge);
@@ -84,7 +84,7 @@ impl Lateness {
     }
 }
 
-/// Simulated against wall-clock time, and where the wall-clock time went, since the last look.
+/// Measures the real-time factor and the wall-clock time of each stage since the last reading.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Meter {
     since: Instant,
@@ -92,7 +92,7 @@ pub(super) struct Meter {
     spent: [Duration; STAGES.len()],
 }
 
-/// What a [`Meter`] measured.
+/// The result of a [`Meter`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Reading {
     /// Simulated seconds per second.
@@ -107,7 +107,7 @@ impl Meter {
         Self { since: now, ticks: 0, spent: [Duration::ZERO; STAGES.len()] }
     }
 
-    /// Counts a tick with the time of each stage.
+    /// Counts a tick; `spent` has the wall-clock time of each of the [`STAGES`].
     pub(super) fn count(&mut self, spent: [Duration; STAGES.len()]) {
         self.ticks += 1;
         for (sum, part) in self.spent.iter_mut().zip(spent) {
@@ -115,7 +115,7 @@ impl Meter {
         }
     }
 
-    /// Reads and starts anew.
+    /// Returns the result since the last reading, and starts a new measurement at `now`.
     pub(super) fn read(&mut self, now: Instant) -> Reading {
         let ticks = f64::from(self.ticks);
         let wall_s = now.saturating_duration_since(self.since).as_secs_f64();
@@ -138,7 +138,7 @@ mod tests {
     fn a_late_tick_does_not_move_the_deadlines_after_it() {
         let start = now();
         let mut pace = Pace::new(Some(1.0), start);
-        // Each tick is flown 3 ms late; the hundredth deadline is still one second after the start.
+        // Each tick begins 3 ms late, yet the hundredth deadline is one second after the start.
         for tick in 0..100 {
             assert_eq!(pace.wait(start), 10 * MS * tick);
             pace.ticked(start + 10 * MS * tick + 3 * MS);
@@ -174,7 +174,7 @@ mod tests {
         let mut meter = Meter::new(start);
         (0..50).for_each(|_| meter.count([MS, MS, MS, MS, MS, MS, 2 * MS]));
         let reading = meter.read(start + Duration::from_secs(2));
-        // 50 ticks of 10 ms in 2 s; the tolerance is a few roundings of numbers below 10.
+        // The flight took 2 s for 50 ticks of 10 ms; the tolerance is a few roundings of numbers below 10.
         assert!((reading.real_time_factor - 0.25).abs() < 1e-12);
         assert!((reading.cost_ms[0] - 1.0).abs() < 1e-9 && (reading.cost_ms[6] - 2.0).abs() < 1e-9);
         assert!(meter.read(start + Duration::from_secs(3)).real_time_factor.abs() < 1e-12);

@@ -1,5 +1,5 @@
-//! The one thread that flies: it takes requests between two ticks and publishes each tick. It waits for the clock, and
-//! for nothing and nobody else: no socket, no disk, no watcher.
+//! The only thread that flies. It takes requests between two ticks and publishes each tick. It waits for the clock only, and
+//! never for a socket, a disk or a client.
 
 mod recording;
 
@@ -24,40 +24,40 @@ use twin_scenario::Scenario;
 /// The state is published at least this often, and the thread looks at its requests at least this often.
 const STATE_PERIOD: Duration = Duration::from_millis(400);
 
-/// The same of a flight that still goes on: that its stream is lost is said within half a second.
+/// [`STATE_PERIOD`] of a live flight. It is shorter, so that operators learn of a lost stream within half a second.
 const LIVE_STATE_PERIOD: Duration = Duration::from_millis(100);
 
-/// A flight that still goes on is looked at again after so long for its next tick.
+/// If the next tick of a live flight has not arrived, the thread looks for it again after this time.
 const EDGE_PATIENCE: Duration = Duration::from_millis(5);
 
-/// Where to start and what else can be flown.
+/// The first flight, and the scenarios and settings of the flights after it.
 pub(super) struct Orders {
     /// First flight.
     pub mission: Mission,
-    /// What `restart` may name.
+    /// Scenarios that the command `restart` may name.
     pub catalogue: Vec<Scenario>,
     /// Simulated seconds per second; `None` is as fast as the machine can.
     pub speed: Option<f64>,
-    /// Wait for an operator.
+    /// Whether the first flight waits until an operator starts it.
     pub start_paused: bool,
-    /// Recording.
+    /// Records the flights.
     pub logbook: Logbook,
 }
 
-/// What is flown first.
+/// The kind of the first flight.
 pub(super) enum Mission {
-    /// A simulated vehicle.
+    /// A simulated flight of a scenario.
     Fly(Box<Scenario>),
-    /// A recording, from a time on, s.
+    /// A mirrored flight.
     Mirror {
         /// The recording.
         mirrored: Arc<Mirrored>,
-        /// Where to start.
+        /// Time of the recording at which the mirrored flight starts, s.
         start_s: f64,
     },
 }
 
-/// The thread's own state.
+/// The state of the flying thread.
 pub(super) struct Pilot {
     sortie: Sortie,
     catalogue: Vec<Scenario>,
@@ -68,7 +68,7 @@ pub(super) struct Pilot {
     lateness: Lateness,
     paused: bool,
     steps: u32,
-    /// Ticks before the one that was sought, still to be flown at once.
+    /// Number of ticks before the target of a seek that the thread must still fly, without pauses.
     warm_up: usize,
     changes: Vec<Change>,
     state_due: Instant,
@@ -76,10 +76,10 @@ pub(super) struct Pilot {
 }
 
 impl Pilot {
-    /// Builds the first flight and the hub that publishes it.
+    /// Builds the first flight and the hub that publishes it, and begins the recording.
     ///
     /// # Errors
-    /// [`ServerError`] if the scenario cannot be built.
+    /// [`ServerError`] if the scenario cannot be built or the recording cannot be created.
     pub(super) fn new(orders: Orders) -> Result<Self, ServerError> {
         let Orders { mission, catalogue, speed, start_paused, logbook } = orders;
         let (sortie, warm_up) = match mission {
@@ -114,12 +114,12 @@ impl Pilot {
         Ok(pilot)
     }
 
-    /// Where the flight is published.
+    /// The hub that publishes the flight.
     pub(super) fn hub(&self) -> Arc<Hub> {
         Arc::clone(&self.hub)
     }
 
-    /// Flies until `stop` is set or nobody can send requests any more.
+    /// Flies until `stop` is set or all senders of requests are dropped.
     pub(super) fn fly(mut self, requests: &Receiver<Request>, stop: &AtomicBool) {
         self.pace = Pace::new(self.pace.speed(), now());
         while !stop.load(Ordering::Relaxed) {
@@ -150,7 +150,7 @@ impl Pilot {
         self.end_recording("");
     }
 
-    /// Flies all ticks before the one that was sought.
+    /// Flies all ticks before the target of a seek. The hub wakes the clients only after the last of them.
     fn warm_up(&mut self) {
         self.hub.hold();
         for _ in 0..std::mem::take(&mut self.warm_up) {
@@ -165,7 +165,7 @@ impl Pilot {
         self.sortie.verdict.is_none() && (!self.paused || self.steps > 0)
     }
 
-    /// How long requests may be waited for.
+    /// The longest time for which the thread may wait for a request.
     fn patience(&self) -> Duration {
         let now = now();
         let state = self.state_due.saturating_duration_since(now);
@@ -209,7 +209,7 @@ impl Pilot {
 
     fn judge(&mut self, tick: &Tick) {
         if self.sortie.mirrored.is_some() {
-            // A recording is not judged; at its end it waits to be played again.
+            // A mirrored flight has no verdict. At its end it pauses until somebody plays it again.
             self.paused |= tick.finished;
             self.steps *= u32::from(!tick.finished);
             self.state_due = if tick.finished { now() } else { self.state_due };
@@ -247,7 +247,7 @@ impl Pilot {
                 self.paused = true;
                 self.steps = ticks;
             }
-            // An ended flight has no next tick, and a restart flies on as the flight before began.
+            // An ended flight has no next tick. A step must not pause it either, because a restart keeps the pause.
             Command::Step(_) => {}
             Command::Speed(speed) => self.pace = Pace::new(speed, now()),
             Command::Disturb(disturbance) => self.sortie.disturb(&disturbance),
@@ -298,7 +298,7 @@ impl Pilot {
         self.lateness = Lateness::default();
         self.changes.clear();
         self.steps = 0;
-        // Zero is left out, so that no frame of before is taken for one of now.
+        // A new identifier lets clients tell frames of the last flight from frames of this one; zero is no identifier.
         self.schema_id = self.schema_id.wrapping_add(1).max(1);
         self.pace = Pace::new(self.pace.speed(), now());
         if let Err(error) = self.begin_recording() {
@@ -371,7 +371,7 @@ impl Pilot {
         }
     }
 
-    /// Tells the log and everybody that something is broken, though the flight goes on.
+    /// Writes an error to the log and shows it to all clients; the flight goes on.
     fn alarm(&self, text: &str) {
         tracing::error!("{text}");
         self.hub.notice(None, NoticeLevel::Error, text);
@@ -379,7 +379,7 @@ impl Pilot {
 }
 
 impl Drop for Pilot {
-    /// Says that nobody flies any more, also if the flight failed.
+    /// Tells the hub that no thread flies any more, also after a panic.
     fn drop(&mut self) {
         self.hub.landed();
     }

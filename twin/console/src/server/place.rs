@@ -1,4 +1,4 @@
-//! Where to listen: an address of this machine's loopback, and nothing else.
+//! Chooses the address on which the server listens: loopback only.
 
 use std::collections::BTreeMap;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
@@ -9,25 +9,25 @@ use tokio::net::{TcpListener, TcpSocket};
 use crate::server::ServerError;
 use twin_scenario::VehicleFiles;
 
-/// Little is buffered in the kernel, so that a slow client sees new rows instead of old ones, bytes.
+/// Size of the kernel's send buffer, bytes. It is small, so that a slow client gets new rows instead of old ones.
 const SEND_BUFFER: u32 = 64 * 1024;
 
-/// Connections that may wait to be accepted.
+/// Most connections that wait until the server accepts them.
 const BACKLOG: u32 = 128;
 
-/// Where and what to serve besides the flight.
+/// The addresses of the servers, and the files that they serve.
 pub(super) struct Place {
-    /// A loopback name or address.
+    /// A loopback name or address for both servers.
     pub host: String,
     /// Port of the console; 0 takes any free one.
     pub port: u16,
     /// Folder with the stock viewers.
     pub viewer_dir: Option<PathBuf>,
-    /// The server for Foxglove.
+    /// The server for Foxglove; `None` starts none.
     pub foxglove: Option<Beside>,
 }
 
-/// What the server for Foxglove is told.
+/// The settings of the server for Foxglove.
 pub(super) struct Beside {
     /// Its port; 0 takes any free one.
     pub port: u16,
@@ -37,10 +37,10 @@ pub(super) struct Beside {
     pub recorded_joints: Vec<String>,
 }
 
-/// The address of a host.
+/// The address of `host`, which must be on the loopback interface.
 ///
 /// # Errors
-/// [`ServerError::BeyondLoopback`] for every other.
+/// [`ServerError::BeyondLoopback`] for every other host.
 pub(super) fn loopback(host: &str) -> Result<IpAddr, ServerError> {
     if host.eq_ignore_ascii_case("localhost") {
         return Ok(IpAddr::V4(Ipv4Addr::LOCALHOST));
@@ -51,14 +51,14 @@ pub(super) fn loopback(host: &str) -> Result<IpAddr, ServerError> {
     }
 }
 
-/// Listens there.
+/// Listens on `address`.
 ///
 /// # Errors
-/// [`ServerError::PortInUse`], or [`ServerError::Listen`] with what the system said.
+/// [`ServerError::PortInUse`], or [`ServerError::Listen`] with the system's error.
 pub(super) fn listen(address: SocketAddr) -> Result<TcpListener, ServerError> {
     let open = || {
         let socket = if address.is_ipv4() { TcpSocket::new_v4() } else { TcpSocket::new_v6() }?;
-        // A server that was killed leaves connections in TIME_WAIT; its successor may have the port at once.
+        // A killed server leaves connections in the state TIME_WAIT; with this option the next server gets the port at once.
         #[cfg(unix)]
         socket.set_reuseaddr(true)?;
         socket.set_send_buffer_size(SEND_BUFFER)?;

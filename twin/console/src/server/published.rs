@@ -1,4 +1,4 @@
-//! Everything a new client is told of the flight.
+//! The description of the flight that every new client gets.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -14,35 +14,35 @@ use twin_core::notation::TICK_S;
 use twin_core::residual::HORIZON;
 use twin_record::scene::Scene;
 
-/// Everything a new client is told.
+/// The description of the flight in its current state.
 #[derive(Clone, Debug)]
 pub(super) struct Published {
-    /// Which telemetry rows fit.
+    /// Identifier of the telemetry rows that `channels` describes.
     pub schema_id: u16,
-    /// Scenarios that can be flown.
+    /// Scenarios that a restart may name.
     pub scenarios: Arc<Vec<ScenarioInfo>>,
-    /// The recording that is mirrored.
+    /// The recording that is mirrored; `None` in a simulated flight.
     pub mirror: Option<Arc<MirrorInfo>>,
-    /// What to draw.
+    /// Bodies and shapes to draw.
     pub scene: Arc<Scene>,
-    /// Numbers of a row.
+    /// Channels of a row, in their order.
     pub channels: Arc<Vec<ChannelInfo>>,
     /// Gains with their values in force.
     pub gains: Vec<GainInfo>,
     /// Preset in force.
     pub preset: PresetName,
-    /// How the flight stands.
+    /// State of the flight.
     pub state: StateInfo,
-    /// Preset that was chosen last: `preset_value` of a gain is its value there.
+    /// Preset that was chosen last; the `preset_value` of a gain is the gain's value in this preset.
     pub base: PresetName,
-    /// How late ticks began.
+    /// Histogram of the delays of ticks.
     pub lateness: Lateness,
     /// The last events, oldest first.
     pub events: VecDeque<EventInfo>,
 }
 
 impl Published {
-    /// The `hello` for a client.
+    /// The message `hello` for the client `client_id`.
     pub(super) fn hello(&self, client_id: u64) -> ServerMessage {
         ServerMessage::Hello(Box::new(Hello {
             protocol: PROTOCOL_VERSION,
@@ -64,7 +64,7 @@ impl Published {
         }))
     }
 
-    /// Keeps the newest events.
+    /// Adds events and drops the oldest beyond [`EVENTS_KEPT`].
     pub(super) fn remember(&mut self, events: &[EventInfo]) {
         self.events.extend(events.iter().cloned());
         while self.events.len() > EVENTS_KEPT {

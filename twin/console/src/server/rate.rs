@@ -1,17 +1,17 @@
-//! How many messages a client may send: a bucket that refills.
+//! Limits how many messages a client may send, with a token bucket.
 
-/// Messages per second in the long run, and the size of the bucket.
+/// Allowed messages per second on average, and the size of the bucket.
 pub(super) const MESSAGES_PER_S: f64 = 200.0;
 
-/// Messages beyond the limit that end the connection.
+/// Number of messages beyond the limit after which the connection ends.
 const PATIENCE: u32 = 600;
 
-/// What to do with a message.
+/// The decision about a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Admission {
     /// Handle it.
     Handle,
-    /// Drop it, and say so: it is the first beyond the limit.
+    /// Drop it and warn the client: it is the first message beyond the limit.
     Warn,
     /// Drop it.
     Drop,
@@ -33,7 +33,7 @@ impl Bucket {
         Self { tokens: MESSAGES_PER_S, last_s: now_s, excess: 0 }
     }
 
-    /// A message arrived at `now_s`, s on any clock that does not run backwards.
+    /// Decides about a message that arrives at `now_s`, s on a clock that never runs backwards.
     pub(super) fn admit(&mut self, now_s: f64) -> Admission {
         self.tokens =
             (self.tokens + (now_s - self.last_s).max(0.0) * MESSAGES_PER_S).min(MESSAGES_PER_S);

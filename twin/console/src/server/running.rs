@@ -1,4 +1,4 @@
-//! A server that runs: where it listens, and how it stops.
+//! A running server: its addresses, and how it stops.
 
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -16,7 +16,7 @@ use crate::server::{App, ServerError, foxglove};
 /// Connections get this long to close.
 const SHUTDOWN_TIMEOUT: Duration = Duration::from_secs(1);
 
-/// A server that runs.
+/// A running server. It stops when it is dropped.
 pub struct Running {
     pub(super) address: SocketAddr,
     pub(super) foxglove: Option<(SocketAddr, tokio::task::JoinHandle<()>)>,
@@ -27,7 +27,7 @@ pub struct Running {
     pub(super) runtime: Option<Runtime>,
 }
 
-/// Says where it listens and waits for Ctrl+C.
+/// Logs the addresses of the server and waits for Ctrl+C.
 ///
 /// # Errors
 /// [`ServerError::System`] if signals cannot be received.
@@ -40,12 +40,12 @@ pub(super) fn watch(running: Running) -> Result<(), ServerError> {
 }
 
 impl Running {
-    /// Where it listens.
+    /// Address of the console.
     pub fn address(&self) -> SocketAddr {
         self.address
     }
 
-    /// Where it listens for Foxglove.
+    /// Address of the server for Foxglove; `None` if it does not run.
     pub fn foxglove_address(&self) -> Option<SocketAddr> {
         self.foxglove.as_ref().map(|(address, _)| *address)
     }
@@ -63,7 +63,7 @@ impl Running {
         Ok(())
     }
 
-    /// Waits for Ctrl+C (or a request to end by the system), then stops.
+    /// Waits for Ctrl+C or SIGTERM, then stops.
     ///
     /// # Errors
     /// [`ServerError::System`] if signals cannot be received.
@@ -75,7 +75,7 @@ impl Running {
         Ok(())
     }
 
-    /// Lands, closes the recording and every connection.
+    /// Ends the flight, its recording and every connection.
     pub fn stop(mut self) {
         self.shut_down();
     }
@@ -87,12 +87,12 @@ impl Running {
             tracing::error!("the flight thread failed; its message is above");
         }
         if let (Some((_, farewell)), Some(runtime)) = (self.foxglove.take(), &self.runtime) {
-            // What it has not said by then is dropped with the runtime.
+            // After the time-out the runtime stops and drops messages that are not sent.
             let _ =
                 runtime.block_on(async { tokio::time::timeout(SHUTDOWN_TIMEOUT, farewell).await });
         }
         if let Some(shutdown) = self.shutdown.take() {
-            // Refused only if the server task has ended already.
+            // The send fails only if the server task has ended already.
             let _ = shutdown.send(());
         }
         if let Some(runtime) = self.runtime.take() {

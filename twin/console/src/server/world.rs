@@ -1,17 +1,17 @@
-//! What operators and the scenario made of the world of one flight: payload, wind, effects.
+//! Keeps the payload, the wind and the aerodynamic effects of one flight as the scenario and operators last set them.
 
 use crate::server::command::EFFECTS;
 use crate::server::protocol::StateInfo;
 use twin_core::source::Disturbance;
 use twin_scenario::Settings;
 
-/// The world as it was last asked for.
+/// The world as the scenario and operators last set it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct World {
     payload_kg: Option<f64>,
     wind_m_s: [f64; 3],
     effects_off: Vec<String>,
-    /// Changes that the scenario has still in store, latest first.
+    /// Changes that the scenario makes later, with their times in s; latest first.
     schedule: Vec<(f64, Disturbance)>,
 }
 
@@ -31,7 +31,7 @@ impl World {
         }
     }
 
-    /// The flight has come to `t_s`: what the scenario had planned until then is in force.
+    /// Applies the changes that the scenario makes up to `t_s`.
     pub(super) fn advance(&mut self, t_s: f64) {
         while self.schedule.last().is_some_and(|(at_s, _)| *at_s <= t_s) {
             if let Some((_, disturbance)) = self.schedule.pop() {
@@ -40,7 +40,7 @@ impl World {
         }
     }
 
-    /// Something was changed.
+    /// Applies a change.
     pub(super) fn change(&mut self, disturbance: &Disturbance) {
         match disturbance {
             Disturbance::PayloadMass { kg } => self.payload_kg = self.payload_kg.map(|_| *kg),
@@ -55,7 +55,7 @@ impl World {
         }
     }
 
-    /// Writes the world into a state.
+    /// Writes the world into the state for clients.
     pub(super) fn describe(&self, state: &mut StateInfo) {
         state.payload_kg = self.payload_kg;
         state.wind_m_s = self.wind_m_s;
@@ -63,7 +63,7 @@ impl World {
     }
 }
 
-/// The effect is in force at the start; wind always is.
+/// Whether the effect is on at the start of the scenario; wind always is.
 fn is_on(settings: &Settings, effect: &str) -> bool {
     let aero = &settings.aero;
     match effect {

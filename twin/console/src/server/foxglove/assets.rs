@@ -1,4 +1,5 @@
-//! Files that Foxglove asks for by name: the vehicle's URDF, and the meshes in its packages. Nothing else is read.
+//! Files that Foxglove requests by address: the vehicle's URDF, and the meshes and pictures in its packages. The server reads no
+//! other file.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -7,20 +8,20 @@ use std::sync::Arc;
 use crate::server::hub::Hub;
 use twin_scenario::VehicleFiles;
 
-/// Address of the URDF of the vehicle that flies.
+/// Address of the URDF of the vehicle in flight.
 const URDF: &str = "package://twin/vehicle.urdf";
 
-/// Kinds of files that a URDF brings along.
+/// Extensions of the files to which a URDF refers.
 const KINDS: [&str; 10] =
     ["urdf", "xacro", "stl", "obj", "mtl", "dae", "glb", "png", "jpg", "jpeg"];
 
 /// Largest file, bytes.
 const MOST_BYTES: u64 = 32 * 1024 * 1024;
 
-/// Longest address that is looked at, bytes.
+/// Longest address that is accepted, bytes.
 const LONGEST_ADDRESS: usize = 512;
 
-/// The files of the vehicles.
+/// Gives access to the files of the vehicle in flight.
 #[derive(Clone)]
 pub(super) struct Assets {
     hub: Arc<Hub>,
@@ -32,10 +33,10 @@ impl Assets {
         Self { hub, vehicles }
     }
 
-    /// Reads a file; blocks for the disk.
+    /// Reads the file at `address`; blocks while the disk works.
     ///
     /// # Errors
-    /// A sentence if there is no such file, or none that may be read.
+    /// A sentence if the file does not exist, is too large, or lies outside of the vehicle's packages.
     pub(super) fn read(&self, address: &str) -> Result<Vec<u8>, String> {
         let scenario = self.hub.published().state.scenario;
         let vehicle = self.vehicles.get(&scenario).ok_or_else(|| {
@@ -51,7 +52,7 @@ impl Assets {
     }
 }
 
-/// Where a file lies that may be read: inside the folder of its package, also behind links.
+/// The path of the file at `address`. With all links resolved it lies inside the folder of its package.
 fn locate(address: &str, vehicle: &VehicleFiles) -> Result<PathBuf, String> {
     if address == URDF {
         return Ok(vehicle.urdf.clone());

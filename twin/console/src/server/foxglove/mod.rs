@@ -1,10 +1,10 @@
 //! A WebSocket server for Foxglove beside the console, on its own port.
 //!
-//! In: what the hub has for every client, of which this is one. Out: the topics of a recording (`/tf`, `/scene`,
-//! `/joint_states`, `/log`), the telemetry row as JSON (`/twin/telemetry`), simulated time, the gains as parameters, which
-//! are set through the same check and the same queue as those of the console, the timeline of a mirrored recording
-//! ([`playback`]), and the vehicle's files ([`assets`]). The flight never waits for it: it
-//! reads from its own bounded outbox, and each Foxglove client has a bounded backlog that drops its oldest messages.
+//! In: the messages and rows that the hub gives to every client; this server is one of the hub's clients. Out: the topics of a
+//! recording (`/tf`, `/scene`, `/joint_states`, `/log`), the telemetry row as JSON (`/twin/telemetry`), simulated time, the
+//! gains as parameters, the timeline of a mirrored recording ([`playback`]), and the vehicle's files ([`assets`]). A parameter
+//! passes the same check and the same queue as a gain of the console. The flight never waits for this server: the server reads
+//! from its own bounded outbox, and each Foxglove client has a bounded backlog that drops its oldest messages.
 
 mod assets;
 mod topics;
@@ -34,22 +34,22 @@ use crate::server::place::Beside;
 use crate::server::protocol::ServerMessage;
 use crate::server::telemetry::Telemetry;
 
-/// Batches are at least this far apart.
+/// The least time between two batches.
 const GAP: Duration = Duration::from_millis(5);
 
-/// Messages that may wait for one Foxglove client: about two seconds of everything.
+/// Most messages that wait for one Foxglove client: about two seconds of all topics.
 const BACKLOG: usize = 1024;
 
 /// Identifier of the one status line, so that a new refusal replaces the last.
 const STATUS: &str = "twin";
 
-/// Clients get this long to take the end.
+/// Clients get this long to receive the last messages when the server stops.
 const CLOSING: Duration = Duration::from_millis(500);
 
-/// What Foxglove's own threads tell.
+/// Takes the calls of Foxglove's own threads.
 struct Listener {
     bridge: Arc<Client>,
-    /// Somebody subscribed and has not seen what stands still.
+    /// A client has subscribed, and the bodies that do not move have not been sent to it.
     waiting: AtomicBool,
     playback: Option<Arc<Playback>>,
 }
@@ -68,10 +68,10 @@ impl ServerListener for Listener {
     }
 }
 
-/// Listens on the port of `beside` and returns where, with the task that ends when the hub closes everything.
+/// Listens on the port of `beside`; returns the address and the server's task, which ends when the hub closes all clients.
 ///
 /// # Errors
-/// A sentence if it cannot listen, or if there is no room for another client.
+/// A sentence if the server cannot listen on the port, or if the hub has no room for another client.
 pub(super) async fn start(
     host: IpAddr,
     Beside { port, vehicles, recorded_joints }: Beside,
@@ -111,7 +111,7 @@ pub(super) async fn start(
     Ok((address, tokio::spawn(publisher.run(listener, app))))
 }
 
-/// Tells Foxglove's clients what the hub tells its own.
+/// Passes on to Foxglove's clients what the hub gives to its clients.
 struct Publisher {
     server: WebSocketServerHandle,
     topics: Topics,
@@ -119,7 +119,7 @@ struct Publisher {
 }
 
 impl Publisher {
-    /// Tells what waits in the outbox until the hub closes it.
+    /// Publishes the content of the outbox until the hub closes the outbox.
     async fn run(mut self, listener: Arc<Listener>, app: Arc<App>) {
         let bridge = &listener.bridge;
         loop {
@@ -136,7 +136,7 @@ impl Publisher {
             tokio::time::sleep(GAP).await;
         }
         app.hub.leave(bridge.id);
-        // Clients that do not take it are dropped with the runtime.
+        // Clients that do not receive the end in time lose their connection when the runtime stops.
         let _ = tokio::time::timeout(CLOSING, self.server.stop().wait()).await;
     }
 
@@ -176,7 +176,7 @@ impl Publisher {
             }
             ServerMessage::Reset {} => match &mut self.film {
                 Some(film) => film.reset(),
-                // Time runs backwards now; a new session makes clients forget what they have.
+                // The time of a new flight starts at zero again; a new session makes clients forget the old messages.
                 None => self.server.clear_session(None),
             },
             ServerMessage::State(state) => {

@@ -14,16 +14,16 @@ use crate::server::hub::Client;
 use crate::server::mirrored;
 use crate::server::protocol::{ClientMessage, GainInfo, NoticeLevel};
 
-/// Parameters of one request that are looked at; there are fewer gains.
+/// Most parameters of one request that are handled. There are fewer gains than this.
 const MOST_PARAMETERS: usize = 256;
 
-/// Longest name that is looked at, characters.
+/// Longest name that is handled, characters.
 const NAME_CHARACTERS: usize = 64;
 
-/// Gets and sets gains.
+/// Answers requests of Foxglove's clients to get and set gains.
 pub(super) struct Gains {
     app: Arc<App>,
-    /// Refusals are told through its outbox.
+    /// Its outbox takes the notices about refused gains.
     bridge: Arc<Client>,
 }
 
@@ -32,10 +32,10 @@ impl Gains {
         Self { app, bridge }
     }
 
-    /// Asks the flight for a gain.
+    /// Asks the flight to set the gain `name` to `value`.
     ///
     /// # Errors
-    /// A sentence if it is refused.
+    /// A sentence if the gain is refused.
     fn ask(&self, name: &str, value: f64) -> Result<(), String> {
         let message = ClientMessage::SetGain { name: shown(name, NAME_CHARACTERS), value };
         if let Some(why) = mirrored::refusal(&message, self.app.mirrored) {
@@ -53,7 +53,7 @@ impl Gains {
     }
 }
 
-/// The gains with their values in force.
+/// The gains with their values in force, as Foxglove's parameters.
 pub(super) fn parameters(gains: &[GainInfo]) -> Vec<Parameter> {
     gains.iter().map(|gain| Parameter::float64(&gain.name, gain.value)).collect()
 }
@@ -71,8 +71,8 @@ impl ParameterHandler for Gains {
         responder.respond(found);
     }
 
-    /// Answers with what was accepted, and for what was refused with the value in force. Subscribers are told when a gain
-    /// takes effect, as every client is.
+    /// Answers an accepted gain with its new value and a refused gain with the value in force. When a gain takes effect, the
+    /// publisher tells the subscribers.
     fn set(
         &self,
         _: AnyClient,
@@ -97,7 +97,7 @@ impl ParameterHandler for Gains {
     }
 }
 
-/// A number as it was sent; NaN, which no gain takes, for anything else.
+/// The number that was sent; NaN, which every gain refuses, for a value of another kind.
 fn number(value: Option<&ParameterValue>) -> f64 {
     match value {
         Some(ParameterValue::Float64(value)) => *value,

@@ -1,7 +1,7 @@
-//! Playback of a mirrored recording: what Foxglove's timeline asks for, and what it is told.
+//! Playback of a mirrored recording: handles the requests of Foxglove's timeline and tells it the state of the playback.
 //!
-//! A seek flies the shadow from some seconds before its target; those rows go to the console's charts, but here a row before
-//! the target would be a message from before the time that was asked for, so they are left out.
+//! A seek starts the shadow some seconds before the target, and flies up to it. The console's charts show the rows before the
+//! target. Foxglove must not get them, because their times lie before the time that its user asked for.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -14,15 +14,15 @@ use crate::server::hub::Client;
 use crate::server::protocol::{ClientMessage, FlightPhase, MirrorInfo, StateInfo};
 use crate::server::telemetry::Telemetry;
 
-/// Speeds travel as f32.
+/// Speeds that differ by less than this are equal, because the protocol carries them as f32.
 const SAME_SPEED: f64 = 1e-4;
 
-/// The timeline's side: requests come from Foxglove's threads.
+/// Handles the requests of the timeline, which come from Foxglove's threads.
 pub(super) struct Playback {
     app: Arc<App>,
     bridge: Arc<Client>,
     info: Arc<MirrorInfo>,
-    /// The seek under way was asked for here, and its answer said so.
+    /// The timeline itself asked for the seek that is under way, and the answer has told it so.
     announced: AtomicBool,
 }
 
@@ -42,8 +42,8 @@ impl Playback {
         (0, nanoseconds(self.info.duration_s))
     }
 
-    /// Passes a request on to the flight, as if the console had sent it, and says what is to be expected; what comes of it
-    /// is told when the flight has done it.
+    /// Passes a request on to the flight, as if the console had sent it. Returns the playback state to be expected; the
+    /// publisher tells the real state when the flight has handled the request.
     pub(super) fn obey(&self, request: &PlaybackControlRequest) -> PlaybackState {
         let mut answer = self.state(&self.app.hub.published().state, false);
         let speed = f64::from(request.playback_speed);
@@ -66,14 +66,14 @@ impl Playback {
         answer
     }
 
-    /// How playback stands.
+    /// The playback state that belongs to the state of the flight.
     fn state(&self, state: &StateInfo, did_seek: bool) -> PlaybackState {
         let status = match state.phase {
             FlightPhase::Flying => PlaybackStatus::Playing,
             _ if state.tick >= self.info.ticks => PlaybackStatus::Ended,
             _ => PlaybackStatus::Paused,
         };
-        // As fast as the machine can is told as what came of it.
+        // The protocol has no word for "as fast as possible"; the measured speed stands for it.
         let speed = state.speed.unwrap_or(state.real_time_factor) as f32;
         PlaybackState {
             status,
@@ -85,16 +85,16 @@ impl Playback {
     }
 }
 
-/// Where a seek stands.
+/// The progress of a seek.
 enum Seek {
     None,
-    /// The shadow flies up to its target; the newest row so far may be the target's.
+    /// The shadow flies up to the target. The newest rows are kept, because their last row may be the target's.
     UnderWay(Option<Telemetry>),
-    /// This tick was sought; its row is still to come.
+    /// The seek to this tick is complete, but its row has not arrived.
     Reached(u64),
 }
 
-/// The publisher's side.
+/// Chooses for the publisher the rows and the playback states that Foxglove gets.
 pub(super) struct Film {
     playback: Arc<Playback>,
     seek: Seek,
@@ -102,22 +102,23 @@ pub(super) struct Film {
 }
 
 impl Film {
-    /// The recording may start in its middle, which is a seek.
+    /// Starts with a seek under way, because the playback may start in the middle of the recording.
     pub(super) fn new(playback: Arc<Playback>) -> Self {
         Self { playback, seek: Seek::UnderWay(None), told: None }
     }
 
-    /// The flight starts anew, on its way to a target.
+    /// The flight starts anew and flies up to the target of a seek.
     pub(super) fn reset(&mut self) {
         self.seek = Seek::UnderWay(None);
     }
 
-    /// Nothing of what happens now is to be told.
+    /// Whether a seek is under way, during which Foxglove gets no messages.
     pub(super) fn is_under_way(&self) -> bool {
         matches!(self.seek, Seek::UnderWay(_))
     }
 
-    /// What is new to tell about how playback stands, and the row of a target that was reached.
+    /// Takes the new state of the flight. Returns the playback state if it is new to Foxglove, and the rows from the target of a
+    /// seek on if the seek is complete and the rows have arrived.
     pub(super) fn follow(
         &mut self,
         state: &StateInfo,
@@ -143,7 +144,7 @@ impl Film {
         (news.then_some(now), row)
     }
 
-    /// What of these rows is to be told now.
+    /// The part of these rows that Foxglove gets now.
     pub(super) fn cut(&mut self, telemetry: Telemetry) -> Option<Telemetry> {
         match self.seek {
             Seek::None => Some(telemetry),
@@ -160,7 +161,7 @@ impl Film {
     }
 }
 
-/// The rows from `tick` on.
+/// The rows from `tick` on; `None` if there are none.
 fn since(mut telemetry: Telemetry, tick: u64) -> Option<Telemetry> {
     let before = tick.saturating_sub(telemetry.first_tick) as usize;
     if before >= telemetry.rows.len() {

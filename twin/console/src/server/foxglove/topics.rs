@@ -1,4 +1,4 @@
-//! The topics: those of a recording from poses, rows and events, and the row itself as JSON.
+//! The topics of the server. Poses, rows and events become the same topics that a recording has, and each row becomes JSON.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -16,10 +16,10 @@ use twin_record::scene::Scene;
 use twin_record::views::{self, Joint};
 use twin_scenario::VehicleFiles;
 
-/// Bodies are drawn anew every so many ticks, as in a recording.
+/// The bodies are published again after this many ticks, as in a recording.
 const BODIES_PERIOD_TICKS: u64 = 100;
 
-/// Simulated time on the wire.
+/// Simulated time as the protocol carries it, ns.
 pub(super) fn nanoseconds(t_s: f64) -> u64 {
     (t_s.max(0.0) * 1e9).round() as u64
 }
@@ -37,22 +37,22 @@ pub(super) struct Topics {
     log: Channel<Log>,
     rows: Option<Rows>,
     vehicles: Arc<BTreeMap<String, VehicleFiles>>,
-    /// Names of the joints where no vehicle of ours flies: those of a recording.
+    /// Names of the joints of a mirrored recording; used if the scenario has no vehicle of its own.
     recorded_joints: Vec<String>,
     flight: Option<Arc<Published>>,
     newest: Option<Arc<Picture>>,
 }
 
-/// The topic of the rows, and where a row's numbers are.
+/// The topic of the telemetry rows, and the indices of a row's numbers.
 struct Rows {
     channel: Arc<RawChannel>,
     channels: Arc<Vec<ChannelInfo>>,
-    /// Places of the angle and the torque of both arm joints.
+    /// Indices of the angle and the torque of both arm joints.
     joints: [[Option<usize>; 2]; 2],
 }
 
 impl Topics {
-    /// Topics on which nothing was said yet.
+    /// Topics without messages.
     pub(super) fn new(
         context: &Arc<Context>,
         vehicles: Arc<BTreeMap<String, VehicleFiles>>,
@@ -72,7 +72,7 @@ impl Topics {
         }
     }
 
-    /// A flight begins, or everything is told anew.
+    /// Takes the description of a flight, at its begin or after the outbox was full.
     pub(super) fn begin(&mut self, published: &Arc<Published>) {
         let known = self.rows.as_ref().is_some_and(|rows| rows.channels == published.channels);
         if !known {
@@ -86,7 +86,7 @@ impl Topics {
         self.draw(published.state.t_s);
     }
 
-    /// What stands still, for somebody who has not seen it.
+    /// Publishes the bodies and their poses again, for a client that has just subscribed.
     pub(super) fn repeat(&self) {
         let Some(picture) = &self.newest else {
             return self.draw(self.flight.as_ref().map_or(0.0, |flight| flight.state.t_s));
@@ -95,7 +95,7 @@ impl Topics {
         self.place(picture);
     }
 
-    /// Events as log lines.
+    /// Publishes events as log lines.
     pub(super) fn log(&self, events: &[EventInfo]) {
         for event in events {
             let line = views::log_line(event.t_s, event.kind, &event.text);
@@ -103,7 +103,7 @@ impl Topics {
         }
     }
 
-    /// Rows, and the newest poses and contacts.
+    /// Publishes rows, and the newest poses and contacts.
     pub(super) fn publish(&mut self, telemetry: &Telemetry) {
         let ticks = telemetry.first_tick..telemetry.first_tick + telemetry.rows.len() as u64;
         for (tick, row) in ticks.clone().zip(&telemetry.rows) {
@@ -164,7 +164,7 @@ impl Topics {
         }
     }
 
-    /// Joints of the vehicle that flies, or of the recording.
+    /// Names of the joints of the vehicle in flight, or of the mirrored recording.
     fn joint_names(&self) -> &[String] {
         let scenario = self.flight.as_ref().map(|flight| &flight.state.scenario);
         let vehicle = scenario.and_then(|scenario| self.vehicles.get(scenario));
@@ -181,7 +181,9 @@ impl Rows {
             .message_encoding("json")
             .schema(schema)
             .build_raw()
-            .inspect_err(|error| tracing::error!("no topic for telemetry: {error}"))
+            .inspect_err(|error| {
+                tracing::error!("cannot create the topic /twin/telemetry: {error}")
+            })
             .ok()?;
         let joints = [1, 2]
             .map(|joint| [format!("chi.q{joint}"), format!("joint_torque.{joint}")].map(place));
@@ -195,8 +197,8 @@ fn pose(values: &[f32; 7]) -> Option<Pose> {
     known.then_some(Pose { position: [x, y, z], quaternion_wxyz: [qw, qx, qy, qz] })
 }
 
-/// Group and key of a channel in the JSON object: `residual.x` is `x` of `residual`, and `rotor.0`, whose key would be no
-/// name in a plot's path, is `rotor_0`.
+/// Group and key of a channel in the JSON object. `residual.x` is the key `x` in the group `residual`. `rotor.0` becomes the
+/// single key `rotor_0`, because the path of a plot allows no key that is a number.
 fn path(name: &str) -> (String, Option<&str>) {
     match name.split_once('.') {
         Some((stem, key)) if key.starts_with(|c: char| c.is_ascii_digit()) => {
@@ -220,7 +222,7 @@ fn insert(map: &mut Map<String, Value>, name: &str, value: Value) {
     }
 }
 
-/// A row as an object; what is unknown is null.
+/// A row as a JSON object; an unknown number is null.
 fn nested(channels: &[ChannelInfo], t_s: f64, row: &[f32]) -> Value {
     let mut map = Map::new();
     map.insert("t_s".to_owned(), json!(t_s));

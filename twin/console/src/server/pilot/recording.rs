@@ -1,5 +1,4 @@
-//! A mirrored flight: the way to any tick of it. If it still goes on, the next tick may be still to come, and the stream may begin
-//! anew.
+//! Moves through a mirrored flight. The next tick of a live flight may not have arrived, and its stream may start anew.
 
 use std::sync::Arc;
 
@@ -7,17 +6,17 @@ use super::{Pilot, Sortie};
 use crate::server::mirrored::Mirrored;
 use crate::server::protocol::NoticeLevel;
 
-/// So far beyond what there is of it: its clock was set back.
+/// If the shadow is this many ticks ahead of the live flight, the clock of the vehicle was set back.
 const FAR_AHEAD_TICKS: u64 = 100;
 
 impl Pilot {
-    /// The next tick of a flight that still goes on is still to come.
+    /// Whether the flight is live and its next tick has not arrived.
     pub(super) fn is_ahead(&self) -> bool {
         let live = self.sortie.mirrored.as_ref().filter(|mirrored| mirrored.is_live());
         live.is_some_and(|live| self.sortie.next_tick >= live.shadow.ticks() as u64)
     }
 
-    /// Looks after a flight that still goes on: what is new of it, and whether it goes on elsewhere.
+    /// Publishes the news of a live flight; goes to its newest tick if its stream started anew or its clock was set back.
     pub(super) fn attend(&mut self) {
         let Some(mirrored) = self.sortie.mirrored.clone().filter(|mirrored| mirrored.is_live())
         else {
@@ -39,14 +38,14 @@ impl Pilot {
         }
     }
 
-    /// The last tick of a recording is flown.
+    /// Whether the last tick of a recording is flown; a live flight has no last tick.
     pub(super) fn is_at_end(&self) -> bool {
         let ended = self.sortie.mirrored.as_ref().filter(|mirrored| !mirrored.is_live());
         let ticks = ended.map(|mirrored| mirrored.shadow.ticks() as u64);
         ticks.is_some_and(|ticks| self.sortie.next_tick >= ticks)
     }
 
-    /// Goes to a time of the recording, with the gains in force.
+    /// Goes to the time `t_s` of the recording, s; the gains in force stay. `client` gets the notice if the seek is refused.
     pub(super) fn seek(&mut self, t_s: f64, client: Option<u64>) {
         if let Some(mirrored) = self.sortie.mirrored.clone() {
             self.go_to(&mirrored, t_s, client);
@@ -56,7 +55,7 @@ impl Pilot {
     fn go_to(&mut self, mirrored: &Arc<Mirrored>, t_s: f64, client: Option<u64>) {
         let (first, warm_up) = mirrored.run_up(t_s);
         let mut tuning = *self.sortie.flight.tuning();
-        // The mass of a stream that is judged anew may be another.
+        // A stream that started anew may belong to a vehicle with another mass.
         tuning.gains.nominal_inertia = mirrored.shadow.tuning().gains.nominal_inertia;
         match Sortie::mirror(mirrored, first, &tuning) {
             Ok(sortie) => {

@@ -1,4 +1,5 @@
-//! The last half minute of a few channels, thinned out: viser is sent whole curves.
+//! Keeps the last half minute of a few channels for viser's charts. It keeps every tenth tick only, because viser needs the whole
+//! curves at each update.
 
 use std::collections::VecDeque;
 
@@ -6,16 +7,16 @@ use crate::server::protocol::ChannelInfo;
 use crate::server::telemetry::Telemetry;
 use twin_core::notation::TICK_S;
 
-/// Points of a curve at most.
+/// Most points of a curve.
 const MOST_POINTS: usize = 300;
 
-/// Every so many ticks give a point.
+/// Ticks per point.
 const EVERY: u64 = 10;
 
-/// Time and values of some channels.
+/// Times and values of some channels.
 #[derive(Clone, Debug, Default)]
 pub(super) struct History {
-    /// Places of the channels in a row; `None` if the flight has no such channel.
+    /// Indices of the channels in a row; `None` if the flight has no such channel.
     places: Vec<Option<usize>>,
     /// Time in s, then one value for each channel; oldest first.
     points: VecDeque<Vec<f64>>,
@@ -28,7 +29,7 @@ impl History {
         Self { places: names.iter().map(place).collect(), points: VecDeque::new() }
     }
 
-    /// Takes the rows in; whether there is anything new to draw.
+    /// Adds rows; returns whether there are new points to draw.
     pub(super) fn extend(&mut self, telemetry: &Telemetry) -> bool {
         let mut new = false;
         for (tick, row) in (telemetry.first_tick..).zip(&telemetry.rows) {
@@ -48,8 +49,8 @@ impl History {
         new
     }
 
-    /// Times, then each channel; with nothing to draw yet one instant without values, because the viewer takes the
-    /// limits of its time axis from the first and the last instant and never recovers from having had neither.
+    /// The columns of the chart: times in s, then the values of each channel. Before the first tick they have one time with unknown
+    /// values, because the viewer computes the limits of its time axis from the first and the last time and fails without them.
     pub(super) fn columns(&self) -> Vec<Vec<f64>> {
         if self.points.is_empty() {
             return nothing_yet(self.places.len());
@@ -60,7 +61,7 @@ impl History {
     }
 }
 
-/// The columns of a chart of `channels` channels before the first tick.
+/// The columns of a chart with this number of channels before the first tick: one time, and NaN for each channel.
 pub(super) fn nothing_yet(channels: usize) -> Vec<Vec<f64>> {
     [vec![0.0]].into_iter().chain(vec![vec![f64::NAN]; channels]).collect()
 }
@@ -82,7 +83,7 @@ mod tests {
         let columns = history.columns();
         assert_eq!(columns.len(), 3);
         assert!(columns.iter().all(|column| column.len() == MOST_POINTS));
-        // The newest kept tick is 3990, the oldest 299 points of 10 ticks before it.
+        // The newest kept tick is 3990; the oldest lies 299 points of 10 ticks before it.
         assert!((columns[0][299] - 39.9).abs() < 1e-9 && (columns[0][0] - 10.0).abs() < 1e-9);
         assert_eq!(columns[1][299] as u64, 3990);
         assert!(columns[2].iter().all(|value| value.is_nan()));

@@ -1,36 +1,37 @@
-//! Sliders and buttons of a viewer: one for each gain of the flight, and what an operator presses.
+//! The controls of a viewer: a slider for each gain of the flight, and the buttons.
 //!
-//! A slider shows the value in force. What a client shows is compared with what is in force, so a value that was refused
-//! or that somebody else changed goes back to the slider, and a slider under somebody's hand is left alone.
+//! A slider shows the value in force. If the server refused a slider's value, or if another client changed the gain, the server
+//! moves the slider to the value in force. It does not move a slider while the operator drags it.
 
 use std::collections::BTreeMap;
 
 use crate::server::protocol::{ClientMessage, FlightPhase, GainInfo, PresetName};
 use twin_core::source::Disturbance;
 
-/// A slider that moved is corrected after this long without a move, s.
+/// The server corrects a slider when the operator has not moved it for this long, s.
 const HANDS_OFF_S: f64 = 0.3;
 
-/// A slider computes its last position from its step; beyond the limit by a few roundings of that it means the limit.
+/// A slider computes its last position from its step. A value that exceeds the limit by a few roundings means the limit. The
+/// tolerance is this fraction of the slider's range.
 const ROUNDING: f64 = 1e-9;
 
-/// A button.
+/// A button of a viewer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Button {
-    /// Stops a flight that flies, and the reverse.
+    /// Pauses the flight, or continues a paused one.
     Pause,
-    /// One tick.
+    /// Flies one tick.
     Step,
-    /// Starts anew.
+    /// Starts the flight anew.
     Restart,
-    /// All gains of a preset.
+    /// Sets all gains to the values of a preset.
     Preset(PresetName),
-    /// Lets the payload go.
+    /// Drops the payload.
     DropPayload,
 }
 
 impl Button {
-    /// All buttons with what is written on them, which is also their name.
+    /// All buttons with their captions, which are also their names.
     pub(super) const ALL: [(Self, &'static str); 7] = [
         (Self::Pause, "Pause / Continue"),
         (Self::Step, "Step"),
@@ -41,7 +42,7 @@ impl Button {
         (Self::DropPayload, "Drop payload"),
     ];
 
-    /// The key that presses it, as browsers name keys; the console's keys.
+    /// The key that presses the button, as browsers name keys. It is the same key as in the console.
     pub(super) fn key(self) -> Option<&'static str> {
         match self {
             Self::Pause => Some("Space"),
@@ -56,7 +57,7 @@ impl Button {
         Self::ALL.into_iter().find(|(_, known)| *known == name).map(|(button, _)| button)
     }
 
-    /// What it asks of a flight in `phase`.
+    /// The request that the button makes to a flight in `phase`.
     pub(super) fn asks(self, phase: FlightPhase) -> ClientMessage {
         match self {
             Self::Pause => ClientMessage::Pause { paused: phase != FlightPhase::Paused },
@@ -68,8 +69,8 @@ impl Button {
     }
 }
 
-/// The keys that move the slider of a gain down and up by a step, as browsers name keys: of what is turned while one watches
-/// the adapter, its reset threshold and its forgetting factor.
+/// The keys that move the slider of a gain down and up by a step, as browsers name keys. Only the reset threshold and the
+/// forgetting factor have keys, because operators turn them while they watch the adapter.
 pub(super) fn slider_keys(gain: &str) -> Option<[&'static str; 2]> {
     match gain {
         "reset_threshold" => Some(["BracketLeft", "BracketRight"]),
@@ -93,12 +94,12 @@ pub(super) struct Sliders {
 }
 
 impl Sliders {
-    /// `true` before the client was shown any.
+    /// Whether the client has got no sliders yet.
     pub(super) fn is_empty(&self) -> bool {
         self.sliders.is_empty()
     }
 
-    /// Takes over which gains there are and what is in force; new ones count as shown.
+    /// Takes the gains and their values in force. The client shows a new gain with the value in force.
     pub(super) fn set(&mut self, gains: &[GainInfo]) {
         for gain in gains {
             let new = Slider {
@@ -112,14 +113,14 @@ impl Sliders {
         }
     }
 
-    /// A gain took effect.
+    /// Notes that a gain took effect.
     pub(super) fn in_force(&mut self, name: &str, value: f64) {
         if let Some(slider) = self.sliders.get_mut(name) {
             slider.in_force = value;
         }
     }
 
-    /// The client moved a slider at `now_s`; the value it means.
+    /// Notes that the client moved a slider to `value` at `now_s`; returns the value without rounding errors at the limits.
     pub(super) fn moved(&mut self, name: &str, value: f64, now_s: f64) -> f64 {
         let Some(slider) = self.sliders.get_mut(name) else { return value };
         slider.shown = value;
@@ -130,7 +131,7 @@ impl Sliders {
         if close { value.clamp(min, max) } else { value }
     }
 
-    /// Names and values of the sliders that show something else than what is in force; they count as corrected.
+    /// Names and values in force of the sliders that show another value. The caller must send them, because they count as corrected.
     pub(super) fn overdue(&mut self, now_s: f64) -> Vec<(String, f64)> {
         let mut overdue = Vec::new();
         for (name, slider) in &mut self.sliders {

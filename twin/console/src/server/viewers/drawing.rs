@@ -1,4 +1,4 @@
-//! What both viewers draw of a scene: nodes that move and the parts that hang on them.
+//! The drawing of a scene for both viewers: nodes (frames), and parts (shapes) that are fixed to them.
 
 use std::f64::consts::{PI, TAU};
 
@@ -7,30 +7,30 @@ use twin_core::elementary::{cos, sin};
 use twin_plant::model::Shape;
 use twin_record::scene::Scene;
 
-/// Root of everything drawn.
+/// Path of the root of the drawing.
 pub(super) const ROOT: &str = "/twin";
 
-/// The reference, drawn over the estimate.
+/// Path of the reference, which is drawn together with the estimate.
 pub(super) const GHOST: &str = "/twin/reference";
 
 const GHOST_RGBA: [f32; 4] = [0.0, 0.62, 0.45, 0.35];
 const ROTOR_RGBA: [f32; 4] = [0.34, 0.71, 0.91, 0.35];
 const ROTOR_THICKNESS_M: f64 = 0.004;
 
-/// Sides of round things that are drawn as triangles, even.
+/// Number of sides of round shapes that are drawn as triangles; even.
 const SIDES: u32 = 24;
 
-/// Corners in m and triangles of a surface, counter-clockwise seen from outside.
+/// A surface: corners in m, and triangles as indices of corners, counter-clockwise seen from outside.
 pub(super) type Surface = (Vec<[f64; 3]>, Vec<[u32; 3]>);
 
-/// A frame that parts hang on.
+/// A frame to which parts are fixed.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Node {
     /// Unique path.
     pub path: String,
     /// `[x y z w x y z]` in the world at the start, m.
     pub pose: [f32; 7],
-    /// It has a place among the poses of [`Drawing::poses`].
+    /// Whether the node moves, that is, has a pose in [`Drawing::poses`].
     pub moving: bool,
 }
 
@@ -43,13 +43,13 @@ pub(super) struct Part {
     pub position: [f64; 3],
     /// Node-from-part quaternion, `[w x y z]`.
     pub quaternion_wxyz: [f64; 4],
-    /// Form and size; never a capsule, which the pinned viewers lack.
+    /// Form and size. It is never a capsule, because the pinned viewers have none.
     pub shape: Shape,
     /// Colour and opacity, 0 to 1.
     pub rgba: [f32; 4],
 }
 
-/// Everything there is to draw.
+/// All nodes and parts of a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Drawing {
     /// Frames.
@@ -58,12 +58,12 @@ pub(super) struct Drawing {
     pub parts: Vec<Part>,
     /// Paths of the moving nodes in the order of [`Drawing::poses`].
     pub moving: Vec<String>,
-    /// Path of the vehicle's root.
+    /// Path of the node of the vehicle's root body; `None` if the scene has no vehicle.
     pub base: Option<String>,
 }
 
 impl Drawing {
-    /// The drawing of a scene: its bodies, rotor discs on the vehicle's root, and the root once more as the reference.
+    /// The drawing of a scene: its bodies, rotor discs on the vehicle's root, and a second root as the reference.
     pub(super) fn new(scene: &Scene) -> Self {
         let mut drawing = Self::default();
         for (index, body) in scene.bodies.iter().enumerate() {
@@ -90,7 +90,7 @@ impl Drawing {
         drawing
     }
 
-    /// Poses of the moving nodes; NaN where unknown.
+    /// Paths and poses of the moving nodes, `[x y z w x y z]` in the world, m; NaN where unknown.
     pub(super) fn poses<'a>(
         &'a self,
         picture: &'a Picture,
@@ -135,12 +135,13 @@ impl Drawing {
     }
 }
 
-/// Poses that a client was told, in the order of the moving nodes.
+/// Poses that a client has got, in the order of the moving nodes.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Told(Vec<[f32; 7]>);
 
 impl Told {
-    /// Place and pose of what has moved, which counts as told; what is in no known place stays.
+    /// Index and pose of each node that has moved. The caller must send them, because they count as sent. A node with an unknown
+    /// pose stays in place.
     pub(super) fn news<'a>(
         &mut self,
         poses: impl Iterator<Item = (&'a str, [f32; 7])>,
@@ -157,19 +158,19 @@ impl Told {
     }
 }
 
-/// A body's name as one segment of a path.
+/// A body's name as one segment of a path; `body` and its index if the name does not fit into a path or is taken.
 fn segment(name: &str, index: usize) -> String {
     let plain = |c: char| c.is_alphanumeric() || matches!(c, '_' | '-' | '.');
     let taken = matches!(name, "" | "reference" | "trails" | "forces");
     if !taken && name.chars().all(plain) { name.to_owned() } else { format!("body{index}") }
 }
 
-/// Colour 0xRRGGBB.
+/// Red, green and blue of a colour, 0 to 255.
 pub(super) fn rgb(rgba: [f32; 4]) -> [u8; 3] {
     [rgba[0], rgba[1], rgba[2]].map(|part| (part.clamp(0.0, 1.0) * 255.0).round() as u8)
 }
 
-/// The surface of a capsule along z: a ring for each angle from the lower to the upper pole, the equator twice.
+/// The surface of a capsule along z: one ring of corners per angle from the lower to the upper pole, and two at the equator.
 fn capsule(radius_m: f64, length_m: f64) -> Surface {
     let quarter = SIDES / 4;
     let lower = (0..=quarter).map(|k| (k, -0.5));
@@ -212,7 +213,7 @@ mod tests {
             let distance = (x * x + y * y + from_axis * from_axis).sqrt();
             assert!((distance - radius).abs() < 1e-12, "{distance}");
         }
-        // The divergence theorem: positive only if triangles turn counter-clockwise seen from outside.
+        // By the divergence theorem the volume is positive only if the triangles are counter-clockwise seen from outside.
         let volume: f64 = triangles
             .iter()
             .map(|corners| {
@@ -221,7 +222,7 @@ mod tests {
             })
             .sum();
         let round = PI * radius * radius * length + 4.0 / 3.0 * PI * powi(radius, 3);
-        // 24 flat sides lose about 1.1 % of a circle and 2 % of a sphere.
+        // A circle with 24 flat sides has about 1.1 % less area, and such a sphere about 2 % less volume.
         assert!(volume < round && volume > 0.96 * round, "{volume} {round}");
     }
 

@@ -1,4 +1,4 @@
-//! A recorded flight in the formats of the two other viewers: commands for a page of MeshCat's, and viser's recording.
+//! Encodes a recorded flight for the two stock viewers: as commands for a MeshCat page, and as a viser recording.
 //!
 //! In: a scene and the ticks of its flight. Out: bytes. State: none.
 
@@ -7,13 +7,13 @@ use crate::server::viewers::{meshcat_animation, pack, viser_recording};
 use twin_core::tick::Tick;
 use twin_record::scene::Scene;
 
-/// The commands that draw a flight and play it, each as MeshCat reads it.
+/// The encoded MeshCat commands that draw a flight and play it.
 pub fn meshcat(scene: &Scene, ticks: &[Tick]) -> Vec<Vec<u8>> {
     let flown = Flown::new(scene, ticks);
     meshcat_animation::commands(&flown).iter().map(pack::encode).collect()
 }
 
-/// The flight as a `.viser` file: its inner bytes, to be compressed with zstd after their length.
+/// The inner bytes of the flight's `.viser` file. The file has their length, and then these bytes compressed with zstd.
 pub fn viser(scene: &Scene, ticks: &[Tick]) -> Vec<u8> {
     viser_recording::inner(&Flown::new(scene, ticks))
 }

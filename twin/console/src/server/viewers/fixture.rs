@@ -1,4 +1,4 @@
-//! Made telemetry for the tests of the server.
+//! Synthetic telemetry for the tests of the server.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::server::protocol::ChannelInfo;
 use crate::server::telemetry::{Picture, Telemetry};
 
-/// A channel of which only the name matters.
+/// A channel called `name`; tests use no other field.
 pub(super) fn channel(name: &str) -> ChannelInfo {
     ChannelInfo {
         name: name.to_owned(),
@@ -19,7 +19,7 @@ pub(super) fn channel(name: &str) -> ChannelInfo {
     }
 }
 
-/// Ticks with rows as given and nothing to draw.
+/// Telemetry of these ticks with the given rows and without bodies to draw.
 pub(in crate::server) fn flown(ticks: Range<u64>, row: impl Fn(u64) -> Vec<f32>) -> Telemetry {
     let picture = Picture {
         t_s: 0.0,

@@ -1,4 +1,4 @@
-//! A recorded flight as both viewers draw it: pictures, and lines through the whole of it.
+//! A recorded flight for both viewers: pictures, and lines through the whole flight.
 
 use crate::server::telemetry::Picture;
 use crate::server::viewers::drawing::Drawing;
@@ -9,17 +9,17 @@ use twin_record::scene::Scene;
 /// Pictures per second.
 pub(super) const PICTURES_HZ: u32 = 25;
 
-/// Every so many ticks of 10 ms give a picture.
+/// Ticks of 10 ms per picture.
 const EVERY: u64 = 4;
 
-/// Points of a line through the whole flight at most.
+/// Most points of a line through the whole flight.
 const MOST_POINTS: usize = 2000;
 
-/// A flight as it is drawn: pictures with the time since its start, s.
+/// A recorded flight as the viewers draw it. Each picture has its time since the start, s.
 pub(super) struct Flown {
     pub(super) drawing: Drawing,
     pub(super) pictures: Vec<(f64, Picture)>,
-    /// Segments through the whole flight in the order of [`LINES`]: for each its two ends, m.
+    /// Segments of the lines through the whole flight, in the order of [`LINES`]. A segment has two ends `[x y z]`, m.
     pub(super) lines: [Vec<f32>; 2],
 }
 
@@ -39,7 +39,7 @@ impl Flown {
         Self { drawing: Drawing::new(scene), pictures, lines }
     }
 
-    /// Path, colour and segments of the lines that there are.
+    /// Path, colour and segments of each line that has points.
     pub(super) fn drawn_lines(&self) -> impl Iterator<Item = (&'static str, [u8; 3], &[f32])> {
         let lines = LINES.iter().zip(&self.lines);
         lines
@@ -48,7 +48,7 @@ impl Flown {
     }
 }
 
-/// Both ends of the segment between each position and the next, thinned out.
+/// Both ends of the segments between successive positions, thinned out to [`MOST_POINTS`].
 fn segments(poses: impl Iterator<Item = [f32; 7]>) -> Vec<f32> {
     let points: Vec<[f32; 3]> = poses
         .map(|[x, y, z, ..]| [x, y, z])

@@ -1,22 +1,22 @@
-//! Two arrows above the vehicle: the residual force as it is measured and as the loop takes it to be.
+//! Two arrows beside the vehicle: the measured residual force and the loop's estimate of it.
 
 use crate::server::protocol::ChannelInfo;
 use crate::server::telemetry::Telemetry;
 
-/// Parent of both arrows.
+/// Path of the parent of both arrows.
 pub(super) const FORCES: &str = "/twin/forces";
 
-/// An arrow: its path, stem of the channels `.x`, `.y`, `.z` in N, colour, and where its foot stands beside the vehicle's
-/// root, m. Side by side, or one would hide the other.
+/// Both arrows: path, stem of the channels `.x`, `.y`, `.z` in N, colour, and offset of the foot from the vehicle's root, m. The
+/// arrows stand side by side, so that neither hides the other.
 pub(super) const ARROWS: [(&str, &str, [u8; 3], [f32; 3]); 2] = [
     ("/twin/forces/residual", "residual", [0xD5, 0x5E, 0x00], [-0.06, 0.06, 0.0]),
     ("/twin/forces/estimate", "r_hat", [0x00, 0x72, 0xB2], [0.06, -0.06, 0.0]),
 ];
 
-/// Length of an arrow, as in the console.
+/// Scale of the arrows, as in the console, m/N.
 const METRES_PER_NEWTON: f32 = 0.0125;
 
-/// Arrows change at most so often, s: viser builds them anew each time.
+/// The least time between two updates of the arrows, s. It limits the load, because viser builds the arrows anew each time.
 const PERIOD_S: f64 = 0.04;
 
 /// Foot and tip of an arrow in the world, m.
@@ -25,14 +25,14 @@ pub(super) type Arrow = [[f32; 3]; 2];
 /// The arrows of one client, in the order of [`ARROWS`].
 #[derive(Clone, Debug, Default)]
 pub(super) struct Forces {
-    /// Places in a row of the position and of each force; `None` if the flight has no such channels.
+    /// Indices in a row of the position and of each force; `None` if the flight has no such channels.
     places: Option<[[usize; 3]; 1 + ARROWS.len()]>,
     newest: Option<[Arrow; ARROWS.len()]>,
     due_s: f64,
 }
 
 impl Forces {
-    /// Arrows for rows of these channels.
+    /// Arrows for rows with these channels.
     pub(super) fn new(channels: &[ChannelInfo]) -> Self {
         let place = |name: String| channels.iter().position(|info| info.name == name);
         let three = |stem: &str| {
@@ -47,7 +47,7 @@ impl Forces {
         Self { places, newest: None, due_s: f64::NEG_INFINITY }
     }
 
-    /// Takes the newest row in; what is unknown leaves both arrows where they are.
+    /// Takes the newest row. If one of its numbers is unknown, both arrows stay as they are.
     pub(super) fn extend(&mut self, telemetry: &Telemetry) {
         let (Some(places), Some(row)) = (self.places, telemetry.rows.last()) else { return };
         let [at, forces @ ..] =
@@ -62,7 +62,7 @@ impl Forces {
         }
     }
 
-    /// The arrows if they are to be sent at `now_s`.
+    /// The arrows if they have changed and an update is due at `now_s`.
     pub(super) fn due(&mut self, now_s: f64) -> Option<[Arrow; ARROWS.len()]> {
         if now_s < self.due_s {
             return None;

@@ -1,15 +1,15 @@
-//! What a viewer's operator may hide: the reference, the trails and the arrows. Each connection has its own choice, which outlives a
-//! restart of the flight.
+//! Layers that an operator of a viewer may hide: the reference, the trails and the arrows. Each connection has its own choice,
+//! and a restart of the flight does not change it.
 
 use crate::server::viewers::drawing::GHOST;
 use crate::server::viewers::forces::FORCES;
 use crate::server::viewers::trail::TRAILS;
 
-/// Label and path of everything that can be hidden.
+/// Label and path of each layer.
 pub(super) const LAYERS: [(&str, &str); 3] =
     [("reference", GHOST), ("trails", TRAILS), ("forces", FORCES)];
 
-/// What one client sees of the layers, in the order of [`LAYERS`].
+/// The visibility of the layers for one client, in the order of [`LAYERS`].
 #[derive(Clone, Debug, Default)]
 pub(super) struct Layers {
     hidden: [bool; LAYERS.len()],
@@ -17,7 +17,7 @@ pub(super) struct Layers {
 }
 
 impl Layers {
-    /// Shows or hides the layer called `label`; `None` turns it over. Whether there is such a layer.
+    /// Shows or hides the layer called `label`; `None` toggles it. Returns whether the layer exists.
     pub(super) fn show(&mut self, label: &str, visible: Option<bool>) -> bool {
         let found = LAYERS.iter().position(|(known, _)| *known == label);
         if let Some(index) = found {
@@ -26,12 +26,12 @@ impl Layers {
         found.is_some()
     }
 
-    /// Everything was drawn anew, and so is visible.
+    /// Notes that the viewer has drawn everything anew, which makes all layers visible.
     pub(super) fn drawn_anew(&mut self) {
         self.told = [false; LAYERS.len()];
     }
 
-    /// Paths whose visibility the client does not know yet, with what it is; they count as told.
+    /// Path and visibility of each layer whose visibility has changed. The caller must send them, because they count as sent.
     pub(super) fn changes(&mut self) -> Vec<(&'static str, bool)> {
         let changed = (0..LAYERS.len()).filter(|&index| self.hidden[index] != self.told[index]);
         let changes = changed.map(|index| (LAYERS[index].1, !self.hidden[index])).collect();

@@ -1,4 +1,5 @@
-//! The stock MeshCat viewer: `MessagePack` commands, one a frame; its controls answer with Drake's events.
+//! The protocol of the stock MeshCat viewer: each frame has one command in `MessagePack`. The viewer's controls send the events
+//! that Drake defined.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -32,13 +33,13 @@ const TOGGLE: &str = "Show / hide ";
 /// Path of the camera.
 pub(super) const CAMERA: &str = "/Cameras/default/rotated/<object>";
 
-/// Where the camera stands: beside the arena and above it, in the y-up frame of three.js, m.
+/// Position of the camera: beside the arena and above it, in the y-up frame of three.js, m.
 pub(super) const CAMERA_Y_UP: [f64; 3] = [2.2, 2.0, 3.0];
 
-/// What it looks at, in the same frame; the viewer of the wheel looks at the origin.
+/// Point at which the camera looks, in the same frame, m. The viewer of meshcat-python ignores it and looks at the origin.
 pub(super) const TARGET_Y_UP: [f64; 3] = [0.5, 0.7, 0.0];
 
-/// One connection.
+/// One connection of a MeshCat viewer.
 #[derive(Default)]
 pub(in crate::server) struct MeshCat {
     state: Mutex<State>,
@@ -47,12 +48,12 @@ pub(in crate::server) struct MeshCat {
 #[derive(Default)]
 struct State {
     watched: Watched,
-    /// What moves each of the moving nodes, and each arrow.
+    /// Commands that move the nodes, in the order of the moving nodes.
     movers: Vec<Mover>,
     pointers: Vec<Mover>,
 }
 
-/// Commands in the order in which they are sent, each a frame.
+/// Commands in the order in which they are sent; each becomes a frame.
 #[derive(Default)]
 struct Sheet(Vec<Frame>);
 
@@ -98,7 +99,7 @@ impl Dialect for MeshCat {
     }
 
     fn hear(&self, frame: &Frame, client: &Client, app: &App) {
-        // Text is an answer to a command that is never sent here.
+        // A viewer sends text only as the answer to a command that this server never sends.
         let Frame::Binary(bytes) = frame else { return };
         let Some(event) = understood(bytes, client) else { return };
         let name = pack::text(&event, "name").unwrap_or_default();
@@ -117,7 +118,7 @@ impl Dialect for MeshCat {
                     app.obey(button.asks(app.hub.phase()), client);
                 }
             }
-            // Drake's viewers also send gamepad and camera events.
+            // Drake's viewer also sends events of gamepads and of the camera.
             _ => {}
         }
     }
@@ -130,7 +131,7 @@ impl MeshCat {
 }
 
 impl State {
-    /// Everything from nothing, or after a restart the new scene.
+    /// Draws the scene of a new flight; for a new client also sets the camera and creates the controls.
     fn begin(&mut self, published: &Published, sheet: &mut Sheet) {
         let first = self.watched.is_new();
         self.watched.begin(published);
@@ -161,7 +162,7 @@ impl State {
         match message {
             ServerMessage::Gain(echo) => self.watched.sliders.in_force(&echo.name, echo.value),
             ServerMessage::Gains(list) => self.watched.sliders.set(&list.gains),
-            // The stock viewer ignores types it does not know; programs may want the reason.
+            // The stock viewer ignores commands of unknown types; a program can read the reason in it.
             ServerMessage::Notice(notice) => {
                 sheet.push(&map! { "type" => "notice", "text" => notice.text.as_str() });
             }
@@ -170,14 +171,14 @@ impl State {
         }
     }
 
-    /// Moves what has moved; what is in no known place stays.
+    /// Moves the nodes whose poses have changed; a node with an unknown pose stays in place.
     fn place(&mut self, picture: &Picture, sheet: &mut Sheet) {
         for (node, pose) in self.watched.moved(picture) {
             sheet.push_encoded(self.movers[node].to(pose));
         }
     }
 
-    /// Points the arrows.
+    /// Updates the arrows if an update is due.
     fn point(&mut self, now_s: f64, sheet: &mut Sheet) {
         let arrows = self.watched.forces.due(now_s).into_iter().flatten();
         for (pointer, arrow) in self.pointers.iter().zip(arrows) {

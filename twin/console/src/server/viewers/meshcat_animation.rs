@@ -1,4 +1,4 @@
-//! `set_animation` of MeshCat: the poses of a whole flight as key frames, and the commands around it.
+//! The command `set_animation` of MeshCat, with the poses of a whole flight as key frames, and the commands that draw the flight.
 
 use rmpv::Value;
 
@@ -8,10 +8,10 @@ use crate::server::viewers::meshcat_command::set_property;
 use crate::server::viewers::meshcat_object::{set_line_segments, set_object, set_transform};
 use crate::server::viewers::pack::{map, numbers};
 
-/// A pose `[x y z w x y z]` at a number of frames after the start.
+/// A key frame: number of frames after the start, and pose `[x y z w x y z]` in the world, m.
 type Key = (u32, [f64; 7]);
 
-/// Draws the flight and plays it.
+/// The commands that draw the flight and play it.
 pub(super) fn commands(flown: &Flown) -> Vec<Value> {
     let drawing = &flown.drawing;
     let mut commands: Vec<Value> = drawing.parts.iter().map(set_object).collect();
@@ -30,7 +30,7 @@ pub(super) fn commands(flown: &Flown) -> Vec<Value> {
     commands
 }
 
-/// The known poses of one node. A pose between two others that are the same is left out.
+/// The known poses of one node as key frames. A pose between two equal poses is left out.
 fn keys(flown: &Flown, index: usize) -> Vec<Key> {
     let poses = flown.pictures.iter().filter_map(|(t_s, picture)| {
         let pose = picture.poses.iter().chain([&picture.ghost]).nth(index)?;
@@ -51,12 +51,12 @@ fn keys(flown: &Flown, index: usize) -> Vec<Key> {
     keys
 }
 
-/// Exactly the same numbers: what rests is written as the same bits in every picture.
+/// Whether two poses have the same bits, which is so in all pictures in which a body rests.
 fn same(one: &[f64; 7], other: &[f64; 7]) -> bool {
     one.map(f64::to_bits) == other.map(f64::to_bits)
 }
 
-/// The command that plays these clips once.
+/// The command that plays these clips once. A clip has the path of a node and its key frames.
 fn set_animation(frames_per_s: u32, clips: &[(&str, Vec<Key>)]) -> Value {
     let key = |frame: u32, value: Value| map! { "time" => frame, "value" => value };
     let animation = |(path, keys): &(&str, Vec<Key>)| {
@@ -91,7 +91,7 @@ mod tests {
 
     #[test]
     fn an_animation_has_the_bytes_of_meshcat_python() {
-        // Cosine of an eighth of a turn, and its sine as Python has it: one rounding below.
+        // The cosine of an eighth of a turn, and its sine as Python computes it: one rounding lower.
         let cosine = std::f64::consts::FRAC_1_SQRT_2;
         let sine = cosine.next_down();
         let keys = vec![

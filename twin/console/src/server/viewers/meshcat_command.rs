@@ -1,4 +1,4 @@
-//! The commands of MeshCat that draw nothing: deleting, properties, and the controls of its panel.
+//! The commands of MeshCat that draw nothing. They delete paths, set properties and create the controls of its panel.
 
 use rmpv::Value;
 
@@ -16,18 +16,18 @@ pub(super) fn set_property(path: &str, property: &str, value: Value) -> Value {
     map! { "type" => "set_property", "path" => path, "property" => property, "value" => value }
 }
 
-/// What the camera turns about, m, in the y-up frame of three.js.
+/// Sets the point about which the camera turns, in the y-up frame of three.js, m.
 pub(super) fn set_target(y_up: [f64; 3]) -> Value {
     map! { "type" => "set_target", "value" => numbers(y_up) }
 }
 
-/// A button with which the viewer saves what it shows; nothing is sent.
+/// A button with which the viewer saves a picture of its scene; it sends nothing.
 pub(super) fn picture_button() -> Value {
     let callback = "() => this.handle_command({type: \"save_image\"})";
     push_button("Save picture", callback.to_owned(), None)
 }
 
-/// A button that sends its name, also when `key` is pressed; the viewer of the wheel knows no keys.
+/// A button that sends its name. Pressing `key` presses the button; the viewer of meshcat-python ignores keys.
 pub(super) fn button(name: &str, key: Option<&str>) -> Value {
     let event = serde_json::json!({ "type": "button", "name": name });
     push_button(name, format!("() => this.connection.send(msgpack.encode({event}))"), key)
@@ -42,7 +42,7 @@ fn push_button(name: &str, callback: String, key: Option<&str>) -> Value {
     with_keys(fields, key)
 }
 
-/// A control with its keys, as browsers name them: a button's one, or a slider's for less and for more.
+/// Adds keys to a control, as browsers name keys: one key for a button, or two for a slider (down and up).
 fn with_keys<'a>(
     mut fields: Vec<(Value, Value)>,
     keys: impl IntoIterator<Item = &'a str>,
@@ -52,17 +52,17 @@ fn with_keys<'a>(
     Value::Map(fields)
 }
 
-/// Opens the chart of Drake's page; other viewers ignore it.
+/// Opens the chart of the real-time factor on Drake's page; other viewers ignore this command.
 pub(super) fn show_realtime_rate() -> Value {
     map! { "type" => "show_realtime_rate", "show" => true }
 }
 
-/// A value of that chart: simulated seconds per second.
+/// Adds a value to that chart: the real-time factor, simulated seconds per second.
 pub(super) fn realtime_rate(rate: f64) -> Value {
     map! { "type" => "realtime_rate", "rate" => rate }
 }
 
-/// A slider that sends its name and its value, also when one of its two keys is pressed.
+/// A slider for a gain. It sends its name and its value when the operator moves it or presses one of its two keys.
 pub(super) fn slider(gain: &GainInfo) -> Value {
     let name = serde_json::json!(gain.name);
     let event = format!("{{type: \"slider\", name: {name}, value: value}}");
@@ -82,7 +82,7 @@ fn scale(name: &str, callback: String, numbers: [f64; 4], keys: Option<[&str; 2]
     with_keys(fields, keys.into_iter().flatten())
 }
 
-/// Moves a slider without telling us about it.
+/// Moves a slider; the viewer sends no event for this move.
 pub(super) fn set_control_value(name: &str, value: f64) -> Value {
     map! {
         "type" => "set_control_value",

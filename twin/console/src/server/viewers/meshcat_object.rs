@@ -1,4 +1,5 @@
-//! `set_object` and `set_transform` of MeshCat: one part as JSON of the three.js object loader, in `MessagePack`.
+//! The commands `set_object` and `set_transform` of MeshCat. A part is an object of the JSON format of the three.js loader, encoded
+//! in `MessagePack`.
 
 use std::f64::consts::PI;
 
@@ -9,10 +10,10 @@ use crate::server::viewers::drawing::{Part, rgb};
 use crate::server::viewers::pack::{encode, f32_bytes, map, numbers, u32_bytes};
 use twin_plant::model::Shape;
 
-/// Type of an extension that holds a `Uint32Array`.
+/// Type of the `MessagePack` extension for a `Uint32Array`.
 const U32_ARRAY: i8 = 0x16;
 
-/// Type of an extension that holds a `Float32Array`.
+/// Type of the `MessagePack` extension for a `Float32Array`.
 const F32_ARRAY: i8 = 0x17;
 
 /// The command that draws a part at its path.
@@ -21,7 +22,7 @@ pub(super) fn set_object(part: &Part) -> Value {
     set_object_as(part, ids)
 }
 
-/// The same with given identifiers of geometry, material and mesh.
+/// [`set_object`] with given identifiers of geometry, material and mesh.
 fn set_object_as(part: &Part, [geometry, material, mesh]: [String; 3]) -> Value {
     let object = map! {
         "metadata" => map! { "version" => 4.5, "type" => "Object" },
@@ -38,7 +39,7 @@ fn set_object_as(part: &Part, [geometry, material, mesh]: [String; 3]) -> Value 
     map! { "type" => "set_object", "object" => object, "path" => part.path.as_str() }
 }
 
-/// The command that draws a line of segments at a path: for each segment its two ends in the parent's frame, m.
+/// The command that draws line segments at a path. `ends` has two ends `[x y z]` for each segment, in the parent's frame, m.
 pub(super) fn set_line_segments(path: &str, rgb: [u8; 3], ends: Vec<f32>) -> Value {
     let ids = ["geometry", "material", "line"].map(|kind| format!("{path}/{kind}"));
     set_line_segments_as(path, rgb, ends, ids)
@@ -47,7 +48,8 @@ pub(super) fn set_line_segments(path: &str, rgb: [u8; 3], ends: Vec<f32>) -> Val
 /// Radius of an arrow at its foot, m; it ends in a point.
 const NEEDLE_RADIUS_M: f64 = 0.01;
 
-/// An arrow at a path: of length one, along y from the origin, to be turned and stretched.
+/// The command that draws an arrow at a path. The arrow has length one and points along y from the origin; [`needle_matrix`] turns
+/// and stretches it.
 pub(super) fn set_needle(path: &str, rgb: [u8; 3]) -> Value {
     let [geometry, material, mesh] =
         ["geometry", "material", "mesh"].map(|kind| format!("{path}/{kind}"));
@@ -75,10 +77,10 @@ pub(super) fn set_needle(path: &str, rgb: [u8; 3]) -> Value {
     map! { "type" => "set_object", "object" => object, "path" => path }
 }
 
-/// Shortest arrow, m: without a length there is no direction to be taken apart.
+/// Length of the shortest arrow, m. An arrow of zero length would have a singular matrix, which the viewer cannot decompose.
 const SHORTEST_M: f64 = 1e-3;
 
-/// The matrix that lets a needle reach from foot to tip, m; column-major.
+/// The matrix that turns and stretches an arrow so that it reaches from foot to tip, m; column-major.
 pub(super) fn needle_matrix([foot, tip]: [[f32; 3]; 2]) -> [f32; 16] {
     let [foot, tip] = [foot, tip].map(|point| Vector3::from(point.map(f64::from)));
     let way = tip - foot;
@@ -89,7 +91,7 @@ pub(super) fn needle_matrix([foot, tip]: [[f32; 3]; 2]) -> [f32; 16] {
     column_major(&(pose * Matrix4::new_nonuniform_scaling(&stretch))).map(|value| value as f32)
 }
 
-/// The same with given identifiers of geometry, material and line.
+/// [`set_line_segments`] with given identifiers of geometry, material and line.
 fn set_line_segments_as(
     path: &str,
     rgb: [u8; 3],
@@ -182,7 +184,7 @@ fn material_of(kind: &str, rgb: [u8; 3], opacity: f32, id: &str) -> Value {
     }
 }
 
-/// Node-from-shape, column-major. three.js draws cylinders along y, and ours lie along z.
+/// Node-from-shape transform, column-major. three.js draws cylinders along y, and ours lie along z.
 fn own_matrix(part: &Part) -> [f64; 16] {
     let mut pose = isometry(part.position, part.quaternion_wxyz);
     if matches!(part.shape, Shape::Cylinder { .. } | Shape::Capsule { .. }) {
@@ -202,29 +204,29 @@ fn set_matrix(path: &str, matrix: [f32; 16]) -> Value {
     map! { "type" => "set_transform", "path" => path, "matrix" => Value::Ext(F32_ARRAY, bytes) }
 }
 
-/// Column-major.
+/// The matrix of a pose `[x y z w x y z]`, m; column-major.
 fn matrix_of(pose: [f32; 7]) -> [f32; 16] {
     let [x, y, z, qw, qx, qy, qz] = pose.map(f64::from);
     let matrix = column_major(&isometry([x, y, z], [qw, qx, qy, qz]).to_homogeneous());
     matrix.map(|value| value as f32)
 }
 
-/// The command that moves a node, encoded once: of its bytes only the matrix at their end changes.
+/// The encoded command that moves a node. From pose to pose only the matrix at the end of its bytes changes.
 #[derive(Clone, Debug)]
 pub(super) struct Mover(Vec<u8>);
 
 impl Mover {
-    /// Of the node at a path.
+    /// The command for the node at a path.
     pub(super) fn new(path: &str) -> Self {
         Self(encode(&set_matrix(path, [0.0; 16])))
     }
 
-    /// To `[x y z w x y z]` in the world, m.
+    /// Moves the node to the pose `[x y z w x y z]` in the world, m.
     pub(super) fn to(&self, pose: [f32; 7]) -> Vec<u8> {
         self.to_matrix(matrix_of(pose))
     }
 
-    /// To a matrix, column-major, which may scale.
+    /// Moves the node by a matrix, column-major, which may scale.
     pub(super) fn to_matrix(&self, matrix: [f32; 16]) -> Vec<u8> {
         let mut bytes = self.0.clone();
         let start = bytes.len() - size_of_val(&matrix);
@@ -255,7 +257,7 @@ pub(super) mod tests {
         std::array::from_fn(|k| format!("00000000-0000-0000-0000-{:012x}", first as usize + k))
     }
 
-    /// What meshcat-python sent for the same thing; absent outside a full checkout.
+    /// The bytes that meshcat-python sent for the same command; `None` outside of a full checkout.
     pub(in crate::server::viewers) fn reference(name: &str) -> Option<Vec<u8>> {
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/fixtures/meshcat");
         let bytes = std::fs::read(format!("{folder}/{name}.bin")).ok();
@@ -270,7 +272,7 @@ pub(super) mod tests {
         let ball = part("/meshcat/sphere", Shape::Sphere { radius_m: 0.3 }, [0.0, 1.0, 0.0, 0.5]);
         let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
         let mesh = Shape::Mesh { vertices: corners, triangles: vec![[0, 1, 2]] };
-        // 0x112233 as fractions.
+        // The colour is 0x112233 as fractions.
         let sheet = part("/meshcat/tri", mesh, [17.0 / 255.0, 34.0 / 255.0, 0.2, 1.0]);
         for (name, part, first) in
             [("set_object_sphere", ball, 5), ("set_object_trimesh", sheet, 0x0e)]
@@ -290,7 +292,7 @@ pub(super) mod tests {
 
     #[test]
     fn boxes_and_cylinders_have_the_geometry_of_meshcat_python() {
-        // Its material or its axis is another there, so only the geometry is the same command.
+        // meshcat-python uses another material and another axis, so only the geometry must be equal.
         let brick = Shape::Box { size_m: [1.0, 0.5, 0.25] };
         let tube = Shape::Cylinder { radius_m: 0.1, length_m: 1.0 };
         for (name, solid, id) in [("set_object_box", brick, 2), ("set_object_cylinder", tube, 8)] {
@@ -302,7 +304,7 @@ pub(super) mod tests {
 
     #[test]
     fn a_transform_has_the_bytes_of_the_reference_but_for_zeros() {
-        // A quarter turn about z at (0.5, -1, 2); the reference has 6e-17 where we have another tiny number.
+        // The pose is a quarter turn about z at (0.5, -1, 2). Some elements are 6e-17 in the reference and another tiny number here.
         let half = std::f32::consts::FRAC_1_SQRT_2;
         let pose = [0.5, -1.0, 2.0, half, 0.0, 0.0, half];
         let bytes = encode(&set_transform("/meshcat/box", pose));
@@ -315,14 +317,14 @@ pub(super) mod tests {
             tail.chunks(4).map(|four| f32::from_le_bytes(four.try_into().unwrap())).collect()
         };
         for (made, wanted) in numbers(&bytes).into_iter().zip(numbers(&wanted)) {
-            // f32 of numbers up to 2.
+            // The tolerance is a few roundings of f32 numbers up to 2.
             assert!((made - wanted).abs() < 1e-6, "{made} {wanted}");
         }
     }
 
     #[test]
     fn a_needle_reaches_from_foot_to_tip_and_is_nowhere_thicker() {
-        // f32; and an arrow without a length still has a millimetre.
+        // The tolerance is a few roundings of f32. An arrow of zero force is one millimetre long.
         let whole = 1e-6;
         for (tip, room) in [
             ([0.3, -0.2, 0.9], whole),
@@ -347,7 +349,7 @@ pub(super) mod tests {
     fn a_cylinder_along_z_is_turned_from_the_y_axis_of_three_js() {
         let shape = Shape::Cylinder { radius_m: 0.1, length_m: 1.0 };
         let matrix = own_matrix(&part("/x", shape, [1.0; 4]));
-        // The second column is where y goes: to z.
+        // The second column is the image of the y axis: the z axis.
         for (found, wanted) in matrix[4..7].iter().zip([0.0, 0.0, 1.0]) {
             assert!((found - wanted).abs() < 1e-12);
         }

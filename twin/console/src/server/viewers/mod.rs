@@ -1,9 +1,9 @@
-//! The stock viewers of two other projects as clients of the same flight: MeshCat and viser.
+//! The stock viewers of two other projects, MeshCat and viser, as clients of the same flight.
 //!
-//! In: what the hub has for every client. Out: the wire formats of the stock front ends, and from their controls the
-//! same [`crate::server::protocol::ClientMessage`]s that the console sends, checked in the same place. The front ends
-//! are no part of this program: `twin viewers fetch` downloads the builds pinned here. [`export`] writes a recorded flight
-//! in the same formats.
+//! In: the messages and rows that the hub gives to every client. Out: the wire formats of the stock viewers. Their controls
+//! become the same [`crate::server::protocol::ClientMessage`]s that the console sends, and pass the same checks. The viewers are
+//! no part of this program: `twin viewers fetch` downloads the builds pinned here. [`export`] writes a recorded flight in the
+//! same formats.
 
 mod drawing;
 mod trail;
@@ -32,32 +32,32 @@ pub mod export;
 #[cfg(test)]
 pub(super) mod fixture;
 
-/// A pinned wheel of the Python package index, of which a few files are served.
+/// A pinned wheel of the Python package index; the server serves a few of its files.
 #[derive(Clone, Copy, Debug)]
 pub struct Wheel {
     /// Name of the package.
     pub package: &'static str,
     /// Its version.
     pub version: &'static str,
-    /// Python, ABI and platform that the wheel is for, as in its name.
+    /// Python version, ABI and platform of the wheel, as in its name.
     pub tag: &'static str,
     /// SHA-256 of the wheel, hexadecimal.
     pub sha256: &'static str,
-    /// Files that are kept: path in the wheel and name in [`Wheel::folder`]. The first is the page; licences are kept too.
+    /// Files that are kept: path in the wheel and name in [`Wheel::folder`]. The first is the page; the licences are among them.
     pub files: &'static [(&'static str, &'static str)],
 }
 
 impl Wheel {
-    /// Name of the downloaded file.
+    /// Name of the wheel's file.
     pub fn file_name(&self) -> String {
         format!("{}-{}-{}.whl", self.package, self.version, self.tag)
     }
 
-    /// Flags of pip that ask for this wheel, whatever the machine is.
+    /// Flags of pip that select this wheel on any machine.
     pub fn pip_flags(&self) -> Vec<String> {
         let parts: Vec<&str> = self.tag.split('-').collect();
         let [python, abi, platform] = parts[..] else { return Vec::new() };
-        // A wheel for every Python 3: pip reads "3" as 3.0.0 and refuses what asks for 3.8 or later.
+        // The tag "3" is a wheel for every Python 3. pip reads "3" as 3.0.0 and refuses wheels that require 3.8 or later.
         let version = Some(&python[2..]).filter(|version| *version != "3").unwrap_or("312");
         let flags = [("--implementation", &python[..2]), ("--python-version", version)];
         let flags = flags.into_iter().chain([("--abi", abi), ("--platform", platform)]);
@@ -88,7 +88,7 @@ pub const MESHCAT: Wheel = Wheel {
     ],
 };
 
-/// The current viewer of MeshCat (three.js r176), which Drake ships with a page of its own.
+/// The current MeshCat viewer (three.js r176), which Drake ships with its own page.
 pub const DRAKE: Wheel = Wheel {
     package: "drake",
     version: "1.51.1",
@@ -106,7 +106,7 @@ pub const DRAKE: Wheel = Wheel {
     ],
 };
 
-/// The client of viser. Its package says MIT and bundles the text of Apache-2.0; both are kept.
+/// The client of viser. Its metadata name the MIT licence and its files contain the text of Apache-2.0; both are kept.
 pub const VISER: Wheel = Wheel {
     package: "viser",
     version: "1.1.1",

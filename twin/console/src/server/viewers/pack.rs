@@ -1,8 +1,8 @@
-//! `MessagePack` for the viewers: maps in the order they are written, and typed arrays.
+//! `MessagePack` for the viewers, with maps that keep the order of their keys, and with typed arrays.
 
 use rmpv::Value;
 
-/// Deepest nesting of a message that is read.
+/// Deepest nesting of a message that [`decode`] accepts.
 const DEEPEST: usize = 16;
 
 /// A map whose keys keep their order: `map! { "type" => "delete", "path" => path }`.
@@ -32,7 +32,7 @@ pub(super) fn append(bytes: &mut Vec<u8>, value: &Value) {
     }
 }
 
-/// Appends the head of an array of `length` values, which follow.
+/// Appends the head of an array; the caller appends its `length` values.
 pub(super) fn begin_array(bytes: &mut Vec<u8>, length: usize) {
     match u16::try_from(length) {
         Ok(few @ 0..16) => bytes.push(0x90 | few as u8),
@@ -47,9 +47,9 @@ pub(super) fn begin_array(bytes: &mut Vec<u8>, length: usize) {
     }
 }
 
-/// Overwrites the numbers at the end of a message that was encoded with as many `Value::F32` there.
+/// Overwrites the numbers at the end of an encoded message. The message must end with as many `Value::F32` as `values` has.
 pub(super) fn overwrite_f32(bytes: &mut [u8], values: &[f32]) {
-    /// A byte that says what follows, and the number, most significant byte first.
+    /// Bytes of an f32: a byte for the type, and the number with its most significant byte first.
     const LENGTH: usize = 5;
     let end = bytes.len().saturating_sub(values.len() * LENGTH);
     for (slot, value) in bytes[end..].chunks_exact_mut(LENGTH).zip(values) {
@@ -57,19 +57,23 @@ pub(super) fn overwrite_f32(bytes: &mut [u8], values: &[f32]) {
     }
 }
 
-/// The one value that `bytes` hold.
+/// Decodes `bytes`, which must hold exactly one value.
 ///
 /// # Errors
-/// A sentence if they are no `MessagePack`, too deep, or more than one value.
+/// A sentence if the bytes are not `MessagePack`, are nested too deep, or hold more than one value.
 pub(super) fn decode(bytes: &[u8]) -> Result<Value, String> {
-    // The reader takes the one byte that the format never uses for nil.
+    // The reader decodes 0xc1 as nil, but the format never uses this byte.
     if bytes.first() == Some(&0xC1) {
-        return Err("no MessagePack: 0xc1 is never used".to_owned());
+        return Err("this is not MessagePack: it starts with the unused byte 0xc1".to_owned());
     }
     let mut rest = bytes;
     let value = rmpv::decode::read_value_with_max_depth(&mut rest, DEEPEST)
-        .map_err(|error| format!("no MessagePack: {error}"))?;
-    if rest.is_empty() { Ok(value) } else { Err(format!("{} bytes too many", rest.len())) }
+        .map_err(|error| format!("this is not MessagePack: {error}"))?;
+    if rest.is_empty() {
+        Ok(value)
+    } else {
+        Err(format!("{} bytes follow after the value", rest.len()))
+    }
 }
 
 /// The value of a key of a map.
@@ -78,7 +82,7 @@ pub(super) fn get<'a>(map: &'a Value, key: &str) -> Option<&'a Value> {
     entries.iter().find(|(name, _)| name.as_str() == Some(key)).map(|(_, value)| value)
 }
 
-/// The text of a key of a map.
+/// The value of a key of a map, if it is text.
 pub(super) fn text<'a>(map: &'a Value, key: &str) -> Option<&'a str> {
     get(map, key).and_then(Value::as_str)
 }
@@ -102,7 +106,7 @@ pub(super) fn u32_bytes(values: impl IntoIterator<Item = u32>) -> Vec<u8> {
 mod tests {
     use super::*;
 
-    /// Written by hand from the specification: fixmap, fixstr, float 64, fixarray, nil, bool, positive fixint, ext 8.
+    /// The bytes were written by hand from the specification: fixmap, fixstr, float 64, fixarray, nil, bool, positive fixint, ext 8.
     #[test]
     fn a_message_has_the_bytes_of_the_specification() {
         let value = map! {

@@ -1,5 +1,5 @@
-//! Routes of the stock viewers: their pages from the viewer folder, and the socket of viser. (MeshCat's own is at `/`,
-//! Drake's at its page.)
+//! Routes of the stock viewers: their pages from the viewer folder, and the sockets of viser and of Drake's page at the same paths.
+//! (The socket of MeshCat is at `/`.)
 
 use std::sync::Arc;
 
@@ -20,13 +20,13 @@ use crate::server::viewers::meshcat::MeshCat;
 use crate::server::viewers::viser::Viser;
 use crate::server::viewers::{DRAKE, MESHCAT, VISER, Wheel};
 
-/// The stock pages carry their scripts inline, evaluate the callbacks of controls and unpack themselves from `data:` and
-/// `blob:`. They too may talk to nothing but this server.
+/// Content policy of the stock pages. They have inline scripts, evaluate the callbacks of controls, and load parts of themselves
+/// from `data:` and `blob:`. They too may talk to this server only.
 const POLICY: &str = "default-src 'none'; script-src 'self' 'unsafe-inline' 'unsafe-eval' blob: data:; \
     worker-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; \
     font-src 'self' data:; connect-src 'self' data: blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-/// Start of the sub-protocol that a viser client asks for; its version follows.
+/// Start of the sub-protocol that a viser client asks for; the client's version follows.
 const VISER_PROTOCOL: &str = "viser-v";
 
 const HTML: &str = "text/html; charset=utf-8";
@@ -69,7 +69,7 @@ async fn drake_script(State(app): State<Arc<App>>) -> Response {
     file(&app, DRAKE, "meshcat.js", "text/javascript; charset=utf-8").await
 }
 
-/// The page, or its socket at the same path.
+/// viser's page, or its socket at the same path.
 async fn viser(
     upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
     State(app): State<Arc<App>>,
@@ -84,7 +84,7 @@ async fn viser(
             };
             if protocol != format!("{VISER_PROTOCOL}{}", VISER.version) {
                 tracing::warn!(
-                    "a viser client of another version ({protocol}); {} is known to work",
+                    "a viser client asks for the sub-protocol {protocol}; only version {} is known to work",
                     VISER.version
                 );
             }
@@ -95,13 +95,13 @@ async fn viser(
     }
 }
 
-/// The sub-protocol to accept: the browser aborts unless it is one of those it asked for.
+/// Chooses the sub-protocol to accept. It must be one that the client asked for, or the browser aborts the connection.
 fn viser_protocol(asked: &str) -> Option<String> {
     let mut names = asked.split(',').map(str::trim);
     names.find(|name| name.starts_with(VISER_PROTOCOL) && name.len() < 64).map(str::to_owned)
 }
 
-/// A file of the viewer folder; only the names above are ever asked for.
+/// Answers with a file of the viewer folder. `name` comes from the routes above only, never from a client.
 async fn file(app: &App, wheel: Wheel, name: &'static str, mime: &'static str) -> Response {
     let Some(folder) = app.viewer_dir.clone() else {
         return absent(wheel);
@@ -123,7 +123,7 @@ async fn file(app: &App, wheel: Wheel, name: &'static str, mime: &'static str) -
 fn absent(wheel: Wheel) -> Response {
     let flag = if wheel.package == DRAKE.package { " --drake" } else { "" };
     let text = format!(
-        "the {} viewer is not here yet: run `twin viewers fetch{flag}` once, then reload\n",
+        "the {} viewer is not installed: run `twin viewers fetch{flag}` once, then reload this page\n",
         wheel.package
     );
     (StatusCode::NOT_FOUND, text).into_response()

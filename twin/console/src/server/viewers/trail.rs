@@ -1,11 +1,12 @@
-//! Where the vehicle flew and where it should have: two lines through the last half minute, thinned out and sent whole.
+//! Two lines through the last half minute: the path that the vehicle flew, and the reference path. They have every tenth tick only,
+//! because each update sends the whole lines.
 
 use std::collections::VecDeque;
 
 use crate::server::protocol::ChannelInfo;
 use crate::server::telemetry::Telemetry;
 
-/// Parent of both lines.
+/// Path of the parent of both lines.
 pub(super) const TRAILS: &str = "/twin/trails";
 
 /// Path, stem of the channels `.x`, `.y`, `.z` in m, and colour of each line.
@@ -14,20 +15,20 @@ pub(super) const LINES: [(&str, &str, [u8; 3]); 2] = [
     ("/twin/trails/reference", "chi_des", [0x00, 0x9E, 0x73]),
 ];
 
-/// Points of a line at most.
+/// Most points of a line.
 const MOST_POINTS: usize = 300;
 
-/// Every so many ticks give a point.
+/// Ticks per point.
 const EVERY: u64 = 10;
 
-/// Lines are sent whole, so not more often than this, s.
+/// The least time between two updates of the lines, s. It is long because an update sends the whole lines.
 const PERIOD_S: f64 = 0.5;
 
 #[derive(Clone, Debug, Default)]
 struct Line {
-    /// Places of x, y and z in a row; `None` if the flight has no such channels.
+    /// Indices of x, y and z in a row; `None` if the flight has no such channels.
     places: Option<[usize; 3]>,
-    /// Oldest first, m.
+    /// Points, oldest first, m.
     points: VecDeque<[f32; 3]>,
 }
 
@@ -40,7 +41,7 @@ pub(super) struct Trails {
 }
 
 impl Trails {
-    /// Lines without points for rows of these channels.
+    /// Lines without points, for rows with these channels.
     pub(super) fn new(channels: &[ChannelInfo]) -> Self {
         let place = |name: String| channels.iter().position(|info| info.name == name);
         let line = |stem: &str| {
@@ -52,7 +53,7 @@ impl Trails {
         Self { lines, stale: false, due_s: f64::NEG_INFINITY }
     }
 
-    /// Takes the rows in; places that are unknown give no point.
+    /// Adds rows; a row with an unknown position gives no point.
     pub(super) fn extend(&mut self, telemetry: &Telemetry) {
         for (tick, row) in (telemetry.first_tick..).zip(&telemetry.rows) {
             if !tick.is_multiple_of(EVERY) {
@@ -72,7 +73,7 @@ impl Trails {
         }
     }
 
-    /// Path, colour and segments of each line if they are to be sent at `now_s`: for each segment its two ends, m.
+    /// Path, colour and segments of each line if an update is due at `now_s`. A segment has two ends `[x y z]`, m.
     pub(super) fn due(&mut self, now_s: f64) -> Vec<(&'static str, [u8; 3], Vec<f32>)> {
         if !self.stale || now_s < self.due_s {
             return Vec::new();
@@ -86,7 +87,7 @@ impl Trails {
     }
 }
 
-/// Both ends of the segment between each point and the next.
+/// Both ends of the segments between successive points.
 fn segments(points: impl Iterator<Item = [f32; 3]> + Clone) -> Vec<f32> {
     points.clone().zip(points.skip(1)).flat_map(|(a, b)| [a, b]).flatten().collect()
 }
@@ -108,7 +109,7 @@ mod tests {
     fn segments_join_every_tenth_tick_and_the_oldest_go() {
         let mut trails = Trails::new(&channels());
         trails.extend(&flown(5..31));
-        // The second line has no channels here.
+        // The flight has no channels for the second line.
         let wanted = [10.0, 0.0, 1.0, 20.0, 0.0, 1.0, 20.0, 0.0, 1.0, 30.0, 0.0, 1.0];
         assert_eq!(trails.due(0.0), [(LINES[0].0, LINES[0].2, wanted.to_vec())]);
         trails.extend(&flown(31..9000));

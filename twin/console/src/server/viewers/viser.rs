@@ -1,4 +1,5 @@
-//! The stock viser client: frames of messages out, one `MessagePack` message a frame back.
+//! The protocol of the stock viser client. A frame to the client has many messages; a frame from the client has one `MessagePack`
+//! message.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -23,17 +24,17 @@ use crate::server::viewers::watched::{Watched, not_understood, understood};
 use crate::server::viewers::waymarks::Waymarks;
 use twin_core::tick::EventKind;
 
-/// Charts are sent whole, so not more often than this, s.
+/// The least time between two updates of the charts, s. It is long because an update sends the whole curves.
 const CHART_PERIOD_S: f64 = 0.25;
 
-/// Notifications cover the scene; of more than this in a second the rest is dropped.
+/// Most notifications in a second. The rest is dropped, because notifications cover the scene.
 const MOST_NOTIFICATIONS: u32 = 3;
 
-/// Where the camera stands and what it looks at, m.
+/// Position of the camera, and the point at which it looks, in the world, m.
 pub(super) const CAMERA_M: [f64; 3] = [2.6, -3.2, 2.2];
 pub(super) const LOOK_AT_M: [f64; 3] = [0.5, 0.0, 0.7];
 
-/// One connection.
+/// One connection of a viser client.
 #[derive(Default)]
 pub(in crate::server) struct Viser {
     state: Mutex<State>,
@@ -42,14 +43,14 @@ pub(in crate::server) struct Viser {
 #[derive(Default)]
 struct State {
     watched: Watched,
-    /// What moves each of the moving nodes.
+    /// Messages that move the nodes, in the order of the moving nodes.
     movers: Vec<Mover>,
     waymarks: Waymarks,
     histories: Vec<History>,
     charts_stale: bool,
     charts_due_s: f64,
     notifications: u64,
-    /// Second of the last notification, and how many there were in it.
+    /// Second of the last notification, and the number of notifications in this second.
     recent: (f64, u32),
 }
 
@@ -95,10 +96,10 @@ impl Dialect for Viser {
 
     fn hear(&self, frame: &Frame, client: &Client, app: &App) {
         let Frame::Binary(bytes) = frame else {
-            return not_understood("text, expected binary", client);
+            return not_understood("it is text, expected binary", client);
         };
         let Some(message) = understood(bytes, client) else { return };
-        // The client also tells about its camera, clicks and drags.
+        // The client also sends messages about its camera, clicks and drags.
         if pack::text(&message, "type") == Some("GuiUpdateMessage") {
             let id = pack::text(&message, "uuid").unwrap_or_default();
             let value = pack::get(&message, "updates").and_then(|map| pack::get(map, "value"));
@@ -121,7 +122,7 @@ impl Viser {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// What an element of the panel asks for.
+    /// The request of an element of the panel that has a new `value`; `None` for an unknown element.
     fn asked(&self, id: &str, value: Option<&Value>, app: &App) -> Option<ClientMessage> {
         if let Some(name) = id.strip_prefix(GAIN) {
             let value = value.and_then(Value::as_f64).unwrap_or(f64::NAN);
@@ -137,7 +138,7 @@ impl Viser {
 }
 
 impl State {
-    /// Everything from nothing, or after a restart the new scene.
+    /// Draws the scene of a new flight; for a new client also sets the camera and builds the panel.
     fn begin(&mut self, published: &Published, batch: &mut Batch) {
         let first = self.watched.is_new();
         if first {
@@ -209,7 +210,7 @@ impl State {
         }
     }
 
-    /// Moves what has moved; what is in no known place stays.
+    /// Moves the nodes whose poses have changed, and adds the rows to trails, arrows, marks and charts.
     fn place(&mut self, telemetry: &Telemetry, batch: &mut Batch) {
         for (node, pose) in self.watched.moved(&telemetry.picture) {
             self.movers[node].place(pose, batch);

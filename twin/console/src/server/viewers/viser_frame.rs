@@ -1,22 +1,22 @@
 //! The frame of viser 1.1: lengths, a zstd frame around a `MessagePack` map of messages, then aligned binary buffers.
 //!
-//! The zstd frame holds raw blocks only: valid, and nothing on loopback is gained by compressing.
+//! The zstd frame has raw blocks only. That is valid zstd, and compression gains nothing on loopback.
 
 use rmpv::Value;
 
 use crate::server::viewers::pack::{self, map};
 
-/// Buffers start at multiples of this, counted from the start of the frame, bytes.
+/// Alignment of the buffers, counted from the start of the frame, bytes.
 const ALIGNMENT: usize = 8;
 
 /// Longest block of a zstd frame, bytes.
 const LONGEST_BLOCK: usize = 128 * 1024;
 
-/// Messages that travel in one frame, encoded.
+/// Encoded messages that travel in one frame.
 #[derive(Debug, Default)]
 pub(super) struct Batch {
     messages: Vec<u8>,
-    /// Where each message ends.
+    /// Offset of the end of each message, bytes.
     ends: Vec<usize>,
     buffers: Vec<Vec<u8>>,
 }
@@ -28,7 +28,7 @@ impl Batch {
         self.ends.push(self.messages.len());
     }
 
-    /// Adds a message that is encoded already, after `change`.
+    /// Adds an encoded message; `change` edits its bytes in place.
     pub(super) fn push_encoded(&mut self, message: &[u8], change: impl FnOnce(&mut [u8])) {
         let start = self.messages.len();
         self.messages.extend_from_slice(message);
@@ -36,19 +36,19 @@ impl Batch {
         self.ends.push(self.messages.len());
     }
 
-    /// Adds a buffer of numbers and returns what stands for it in a message; `dtype` as in numpy.
+    /// Adds a buffer of numbers; returns the value that refers to it in a message. `dtype` is a type name of numpy.
     pub(super) fn array(&mut self, dtype: &str, bytes: Vec<u8>) -> Value {
         let index = self.buffers.len();
         self.buffers.push(bytes);
         map! { "__binary_index" => index as u64, "dtype" => dtype }
     }
 
-    /// Nothing to send.
+    /// Whether the batch has no messages.
     pub(super) fn is_empty(&self) -> bool {
         self.ends.is_empty()
     }
 
-    /// Messages in it.
+    /// Number of messages.
     pub(super) fn len(&self) -> usize {
         self.ends.len()
     }
@@ -81,7 +81,7 @@ impl Batch {
         inner
     }
 
-    /// The bytes of the frame; `now_s` on one clock for all frames of a connection.
+    /// The bytes of the frame. `now_s` is the time on a clock that all frames of a connection share, s.
     pub(super) fn encode(self, now_s: f64) -> Vec<u8> {
         let mut inner = map_of(3);
         inner.reserve(self.messages.len() + 64);
@@ -106,7 +106,7 @@ impl Batch {
     }
 }
 
-/// The head of a map of at most 15 entries, which follow.
+/// The head of a map of at most 15 entries; the caller appends the entries.
 fn map_of(entries: u8) -> Vec<u8> {
     vec![0x80 | entries]
 }
@@ -118,11 +118,11 @@ fn append_aligned(bytes: &mut Vec<u8>, buffers: Vec<Vec<u8>>) {
     }
 }
 
-/// Bytes before the first block, and before each block.
+/// Bytes of the head of a zstd frame, and of the head of each block.
 const ZSTD_HEAD: usize = 9;
 const ZSTD_BLOCK_HEAD: usize = 3;
 
-/// Length of the zstd frame of so many bytes.
+/// Length of the zstd frame around `length` bytes, bytes.
 fn raw_zstd_length(length: usize) -> usize {
     ZSTD_HEAD + length.div_ceil(LONGEST_BLOCK).max(1) * ZSTD_BLOCK_HEAD + length
 }

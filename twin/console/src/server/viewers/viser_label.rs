@@ -1,4 +1,4 @@
-//! Words in viser's scene. They hang on what they name, move with it and are hidden with it.
+//! Labels in viser's scene. A label is a child of the node that it names, so it moves with this node and is hidden with it.
 
 use rmpv::Value;
 
@@ -7,12 +7,12 @@ use crate::server::viewers::pack::map;
 use crate::server::viewers::viser_frame::Batch;
 use crate::server::viewers::viser_move::position;
 
-/// How far a word stands off the origin of what it names, m: vehicle and reference coincide in good flight, so one is named
-/// above and the other below.
+/// Distance of a label from the origin of its node, m. In good flight vehicle and reference coincide, so the label of the vehicle
+/// stands above and the label of the reference below.
 const ABOVE_M: f64 = 0.22;
 const PAYLOAD_M: f64 = 0.09;
 
-/// Path, words, height in the frame of its parent in m, and which point of the word stands there.
+/// Path, text, height in the frame of its parent in m, and the point of the text that stands at this height.
 type Label = (String, &'static str, f64, &'static str);
 
 /// The labels of a drawing.
@@ -33,7 +33,7 @@ pub(super) fn paths(drawing: &Drawing) -> impl Iterator<Item = String> {
     labels(drawing).into_iter().map(|(path, ..)| path)
 }
 
-/// Writes the labels.
+/// Adds the messages that draw the labels.
 pub(super) fn draw(drawing: &Drawing, batch: &mut Batch) {
     for (path, text, height_m, anchor) in labels(drawing) {
         batch.push(&label(&path, text, anchor));
@@ -52,7 +52,7 @@ fn label(path: &str, text: &str, anchor: &str) -> Value {
             "font_size_mode" => "screen",
             "font_screen_scale" => 0.8,
             "font_scene_height" => 0.075,
-            // A word that something stands before would tell nothing.
+            // Without the depth test a body in front of the label does not hide it.
             "depth_test" => false,
             "anchor" => anchor,
         },

@@ -1,11 +1,11 @@
-//! The two messages that move a node of viser's, encoded once: of their bytes only the numbers at the end change.
+//! The two encoded messages that move a viser node. From pose to pose only the numbers at the end of their bytes change.
 
 use rmpv::Value;
 
 use crate::server::viewers::pack::{encode, map, numbers, overwrite_f32};
 use crate::server::viewers::viser_frame::Batch;
 
-/// Moves one node.
+/// The encoded messages that move one node.
 #[derive(Clone, Debug)]
 pub(super) struct Mover {
     position: Vec<u8>,
@@ -13,7 +13,7 @@ pub(super) struct Mover {
 }
 
 impl Mover {
-    /// Of the node at a path.
+    /// The messages for the node at a path.
     pub(super) fn new(path: &str) -> Self {
         let message = |kind: &str, key: &str, length: usize| {
             let numbers = Value::Array(vec![Value::F32(0.0); length]);
@@ -25,7 +25,7 @@ impl Mover {
         }
     }
 
-    /// To `[x y z w x y z]` in the world, m.
+    /// Moves the node to the pose `[x y z w x y z]` in the world, m.
     pub(super) fn place(&self, pose: [f32; 7], batch: &mut Batch) {
         let (position, turn) = pose.split_at(3);
         batch.push_encoded(&self.position, |bytes| overwrite_f32(bytes, position));
@@ -33,7 +33,7 @@ impl Mover {
     }
 }
 
-/// Moves a node within its parent, m.
+/// The message that moves a node to `xyz` in the frame of its parent, m.
 pub(super) fn position(name: &str, xyz: [f64; 3]) -> Value {
     map! { "type" => "SetPositionMessage", "name" => name, "position" => numbers(xyz), "owner" => "" }
 }

@@ -1,4 +1,4 @@
-//! The panel for viser: status, buttons, scenario, two charts, and a slider for each gain in a folder of its group.
+//! The panel for viser: status, buttons, scenario, two charts, and a slider for each gain in the folder of its group.
 
 use rmpv::Value;
 
@@ -11,16 +11,16 @@ use crate::server::viewers::pack::{self, map};
 use crate::server::viewers::viser_frame::Batch;
 use twin_core::elementary::powi;
 
-/// Start of the identifier of a gain's slider; its name follows.
+/// Start of the identifier of a slider; the name of its gain follows.
 pub(super) const GAIN: &str = "gain.";
 
-/// Start of the identifier of a button; its name follows.
+/// Start of the identifier of a button; the button's name follows.
 pub(super) const BUTTON: &str = "button.";
 
-/// Start of the identifier of a check box that shows or hides a layer; its label follows.
+/// Start of the identifier of a check box that shows or hides a layer; the layer's label follows.
 pub(super) const SHOW: &str = "show.";
 
-/// Identifier of the drop-down.
+/// Identifier of the drop-down list of scenarios.
 pub(super) const SCENARIO: &str = "scenario";
 
 const STATUS: &str = "status";
@@ -97,17 +97,17 @@ pub(super) fn build(published: &Published, batch: &mut Batch) {
     }
 }
 
-/// A new value of a property of an element.
+/// The message that sets a property of an element.
 pub(super) fn update(id: &str, property: &str, value: Value) -> Value {
     map! { "type" => "GuiUpdateMessage", "uuid" => id, "updates" => map! { property => value } }
 }
 
-/// The status line, new.
+/// The message that sets the status line.
 pub(super) fn update_status(text: &str) -> Value {
     update(STATUS, "_markdown", Value::from(text))
 }
 
-/// A few words that go away by themselves.
+/// The message that shows a notification for eight seconds.
 pub(super) fn notification(number: u64, title: &str, body: &str, colour: &str) -> Value {
     map! {
         "type" => "NotificationShowMessage",
@@ -123,7 +123,7 @@ pub(super) fn notification(number: u64, title: &str, body: &str, colour: &str) -
     }
 }
 
-/// How the flight stands, as markdown.
+/// The state of the flight as markdown.
 pub(super) fn status(state: &StateInfo) -> String {
     let phase = match state.phase {
         FlightPhase::Flying => "flying",
@@ -206,7 +206,7 @@ fn scenarios(published: &Published, order: f64) -> Value {
 
 fn slider(gain: &GainInfo, folder: &str, order: f64) -> Value {
     let unit = if gain.unit.is_empty() { String::new() } else { format!(" [{}]", gain.unit) };
-    // Decimals that the step needs, at most those of a double.
+    // The slider shows as many decimals as its step needs, at most those of an f64.
     let decimals = (0..12).find(|&k| {
         let scaled = gain.step * powi(10_f64, k);
         (scaled - scaled.round()).abs() < 1e-9 * scaled.max(1.0)

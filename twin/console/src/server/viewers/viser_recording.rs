@@ -1,4 +1,5 @@
-//! viser's recording of a flight: the scene, then for each picture what moved, each message with its time.
+//! Encodes a flight as a viser recording: the messages that draw the scene, then for each picture the messages that move nodes.
+//! Each message has its time.
 
 use crate::server::viewers::VISER;
 use crate::server::viewers::drawing::Told;

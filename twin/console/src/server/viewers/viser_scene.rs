@@ -11,21 +11,21 @@ use crate::server::viewers::viser_label as label;
 use crate::server::viewers::viser_move::{Mover, position};
 use twin_plant::model::Shape;
 
-/// Turns three.js' y-up world so that our z points up.
+/// Orientation `[w x y z]` of our world in the y-up world of three.js: our z axis points up.
 const WORLD_WXYZ: [f64; 4] = [0.5, -0.5, 0.5, 0.5];
 
 /// Width of a trail, pixels.
 const LINE_PX: f64 = 2.0;
 
-/// Thickness of an arrow's shaft and head and length of its head, as in the console, m.
+/// Radius of an arrow's shaft, m. The sizes of shaft and head are those of the console.
 const SHAFT_RADIUS_M: f64 = 0.004;
 const HEAD_RADIUS_M: f64 = 0.012;
 const HEAD_LENGTH_M: f64 = 0.035;
 
-/// Where the vehicle stood at each mark of its way.
+/// Path of the attitude marks.
 const MARKS: &str = "/twin/trails/attitude";
 
-/// Draws everything at its pose of the start.
+/// Draws all nodes at their poses of the start.
 pub(super) fn draw(drawing: &Drawing, batch: &mut Batch) {
     batch.push(&orientation("", WORLD_WXYZ));
     batch.push(&grid());
@@ -46,7 +46,7 @@ pub(super) fn draw(drawing: &Drawing, batch: &mut Batch) {
     label::draw(drawing, batch);
 }
 
-/// Adds the arrows and the marks of the way, to be updated. A recording has neither.
+/// Adds the arrows and the attitude marks, which are updated in flight. A viser recording has neither.
 pub(super) fn draw_live(batch: &mut Batch) {
     batch.push(&frame(FORCES));
     for (path, _, rgb, _) in ARROWS {
@@ -74,7 +74,7 @@ pub(super) fn draw_live(batch: &mut Batch) {
     batch.push(&node("BatchedAxesMessage", MARKS, props));
 }
 
-/// Points the arrows anew.
+/// Updates the arrows.
 pub(super) fn update_arrows(arrows: [Arrow; ARROWS.len()], batch: &mut Batch) {
     for ((path, ..), arrow) in ARROWS.iter().zip(arrows) {
         let points = batch.array("<f4", f32_bytes(arrow.into_iter().flatten()));
@@ -82,7 +82,7 @@ pub(super) fn update_arrows(arrows: [Arrow; ARROWS.len()], batch: &mut Batch) {
     }
 }
 
-/// Sets all marks of the way at once: `[x y z w x y z]` each, m.
+/// Replaces all attitude marks by these poses `[x y z w x y z]` in the world, m.
 pub(super) fn update_marks<'a>(
     marks: impl Iterator<Item = &'a [f32; 7]> + Clone,
     batch: &mut Batch,
@@ -93,12 +93,12 @@ pub(super) fn update_marks<'a>(
     batch.push(&change(MARKS, map! { "batched_wxyzs" => wxyzs, "batched_positions" => positions }));
 }
 
-/// The viewer's surroundings light the scene alone: its lamps on top of them bleach every colour of the URDF.
+/// Switches the viewer's lamps off. Its environment light suffices, and the lamps in addition would bleach the colours of the URDF.
 pub(super) fn light() -> Value {
     map! { "type" => "EnableLightsMessage", "enabled" => false, "cast_shadow" => false }
 }
 
-/// Removes what was drawn; viser removes no children by itself.
+/// Removes all nodes of the drawing one by one, because viser does not remove the children of a removed node.
 pub(super) fn erase(drawing: &Drawing, batch: &mut Batch) {
     let labels: Vec<String> = label::paths(drawing).collect();
     let names = labels.iter().chain(drawing.parts.iter().map(|part| &part.path));
@@ -110,13 +110,13 @@ pub(super) fn erase(drawing: &Drawing, batch: &mut Batch) {
     }
 }
 
-/// Replaces a line of segments: for each segment its two ends in the world, m.
+/// Replaces the segments of a line. `ends` has two ends `[x y z]` for each segment, in the world, m.
 pub(super) fn update_line(path: &str, rgb: [u8; 3], ends: Vec<f32>, batch: &mut Batch) {
     let [points, colors] = line(rgb, ends, batch);
     batch.push(&change(path, map! { "points" => points, "colors" => colors }));
 }
 
-/// New values of some properties of a node.
+/// The message that sets some properties of a node.
 fn change(path: &str, updates: Value) -> Value {
     let kind = "SceneNodeUpdateMessage";
     map! { "type" => kind, "name" => path, "updates" => updates, "owner" => "" }
@@ -128,13 +128,13 @@ pub(super) fn show(path: &str, visible: bool) -> Value {
     map! { "type" => kind, "name" => path, "visible" => visible, "owner" => "" }
 }
 
-/// Ends as (N, 2, 3), with a colour for each.
+/// Buffers of the ends of N segments, shape (N, 2, 3), and of the colour of each end, of the same shape.
 fn line(rgb: [u8; 3], ends: Vec<f32>, batch: &mut Batch) -> [Value; 2] {
     let colors = rgb.repeat(ends.len() / 3);
     [batch.array("<f4", f32_bytes(ends)), batch.array("|u1", colors)]
 }
 
-/// A line of no length, to be updated.
+/// Adds a line of zero length, which [`update_line`] replaces.
 fn add_line(path: &str, rgb: [u8; 3], batch: &mut Batch) {
     let [points, colors] = line(rgb, vec![0.0; 6], batch);
     let props = map! {

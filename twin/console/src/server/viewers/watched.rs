@@ -1,4 +1,4 @@
-//! What is known of one viewer's client, whichever of the two protocols it speaks.
+//! The state of one client of a stock viewer that does not depend on its protocol.
 
 use rmpv::Value;
 
@@ -13,10 +13,10 @@ use crate::server::viewers::layers::Layers;
 use crate::server::viewers::pack;
 use crate::server::viewers::trail::Trails;
 
-/// Most of a message's fault that a reason repeats, characters.
+/// The reason of a closed connection quotes at most this many characters of a decoding error.
 const REASON_CHARACTERS: usize = 80;
 
-/// What one client was told and shows.
+/// The drawing, the controls and the poses that one client has got.
 #[derive(Default)]
 pub(super) struct Watched {
     pub(super) drawing: Drawing,
@@ -28,12 +28,12 @@ pub(super) struct Watched {
 }
 
 impl Watched {
-    /// Nothing was ever drawn.
+    /// Whether the client is new, so that nothing was drawn for it yet.
     pub(super) fn is_new(&self) -> bool {
         self.sliders.is_empty()
     }
 
-    /// Everything from nothing, or after a restart the new scene.
+    /// Starts with the scene, the gains and the channels of a new flight.
     pub(super) fn begin(&mut self, published: &Published) {
         self.drawing = Drawing::new(&published.scene);
         self.told = Told::default();
@@ -43,13 +43,13 @@ impl Watched {
         self.forces = Forces::new(&published.channels);
     }
 
-    /// Takes rows in for what is drawn of them.
+    /// Adds rows to the trails and the arrows.
     pub(super) fn extend(&mut self, telemetry: &Telemetry) {
         self.trails.extend(telemetry);
         self.forces.extend(telemetry);
     }
 
-    /// Place and pose of the moving nodes that have moved.
+    /// Index and pose of each moving node whose pose has changed.
     pub(super) fn moved<'a>(
         &'a mut self,
         picture: &'a Picture,
@@ -58,13 +58,13 @@ impl Watched {
     }
 }
 
-/// What a client sent; a client that sends what cannot be read is closed.
+/// Decodes a message of a client; closes the connection if the message cannot be decoded.
 pub(super) fn understood(bytes: &[u8], client: &Client) -> Option<Value> {
     let said = pack::decode(bytes);
     said.inspect_err(|why| not_understood(why, client)).ok()
 }
 
-/// Closes a client with what is wrong with its message.
+/// Closes the connection of a client whose message was not understood; `why` goes into the reason.
 pub(super) fn not_understood(why: &str, client: &Client) {
     client.close(1007, format!("message not understood: {}", shown(why, REASON_CHARACTERS)));
 }

@@ -1,4 +1,4 @@
-//! How the vehicle stood along the way it flew: its axes once a second of the last half minute, all in one message.
+//! Attitude marks along the flown path: the axes of the vehicle once per second of the last half minute, all in one message.
 
 use std::collections::VecDeque;
 
@@ -7,10 +7,10 @@ use crate::server::telemetry::Telemetry;
 use twin_core::notation::Coords;
 use twin_record::scene::base_pose;
 
-/// Every so many ticks give a mark.
+/// Ticks per mark.
 const EVERY: u64 = 100;
 
-/// Marks at most.
+/// Most marks.
 const MOST: usize = 30;
 
 /// Channels of position (m) and attitude (rad).
@@ -25,7 +25,7 @@ pub(super) struct Waymarks {
 }
 
 impl Waymarks {
-    /// No marks yet, for rows of these channels.
+    /// No marks, for rows with these channels.
     pub(super) fn new(channels: &[ChannelInfo]) -> Self {
         let found = CHANNELS.map(|name| channels.iter().position(|info| info.name == name));
         let places =
@@ -33,7 +33,7 @@ impl Waymarks {
         Self { places, ..Self::default() }
     }
 
-    /// Takes the rows in; what is unknown gives no mark.
+    /// Adds rows; a row with an unknown position or attitude gives no mark.
     pub(super) fn extend(&mut self, telemetry: &Telemetry) {
         let Some(places) = self.places else { return };
         for (tick, row) in (telemetry.first_tick..).zip(&telemetry.rows) {
@@ -53,7 +53,7 @@ impl Waymarks {
         }
     }
 
-    /// All marks if there is a new one, as `[x y z w x y z]` in the world, m.
+    /// All marks if there is a new one, as poses `[x y z w x y z]` in the world, m.
     pub(super) fn news(&mut self) -> Option<impl Iterator<Item = &[f32; 7]> + Clone> {
         std::mem::take(&mut self.stale).then(|| self.marks.iter())
     }
@@ -69,7 +69,7 @@ mod tests {
         let channels = CHANNELS.map(channel);
         let mut marks = Waymarks::new(&channels);
         let quarter = std::f32::consts::FRAC_PI_2;
-        // Turned to the left by a quarter.
+        // The vehicle is turned to the left by a quarter turn.
         let row = |tick: u64| vec![tick as f32, 0.0, 1.0, 0.0, 0.0, quarter];
         marks.extend(&flown(1..4001, row));
         let seen: Vec<[f32; 7]> = marks.news().expect("there are some").copied().collect();
@@ -77,7 +77,7 @@ mod tests {
         assert_eq!([seen[0][0] as u64, seen[MOST - 1][0] as u64], [1100, 4000]);
         let half = std::f32::consts::FRAC_1_SQRT_2;
         for (found, wanted) in seen[0][3..].iter().zip([half, 0.0, 0.0, half]) {
-            // Two roundings of f32.
+            // The tolerance is two roundings of f32.
             assert!((found - wanted).abs() < 2.0 * f32::EPSILON, "{seen:?}");
         }
         assert!(marks.news().is_none());
