@@ -49,72 +49,74 @@ fn refused(arguments: &[&str], wanted: &[&str]) {
     }
 }
 
+/// Name, text of the scenario, and what its error must name.
+const BAD_SCENARIOS: &[(&str, &str, &[&str])] = &[
+    (
+        "unknown_key",
+        "title = \"x\"\n[payload]\nmas_kg = 0.3\n",
+        &[":3", "payload.mas_kg", "mass_kg"],
+    ),
+    ("unknown_table", "\n[pailoud]\nmass_kg = 0.3\n", &[":2", "pailoud", "payload"]),
+    ("not_a_number", "[payload]\nmass_kg = nan\n", &[":2", "payload.mass_kg", "NaN", "finite"]),
+    ("infinite", "[payload]\n\nmass_kg = inf\n", &[":3", "payload.mass_kg", "inf"]),
+    ("negative_mass", "[payload]\nmass_kg = -0.3\n", &[":2", "payload.mass_kg", "-0.3"]),
+    ("grams", "[payload]\nmass_kg = 300.0\n", &[":2", "payload.mass_kg", "300", "0.3"]),
+    (
+        "wrong_type",
+        "[payload]\nmass_kg = \"heavy\"\n",
+        &[":2", "payload.mass_kg", "heavy", "number"],
+    ),
+    (
+        "wrong_word",
+        "[predictor]\nkind = \"oracle\"\n",
+        &[":2", "predictor.kind", "oracle", "persistence"],
+    ),
+    (
+        "short_list",
+        "[task]\nstart_position_m = [0.0, 1.0]\n",
+        &[":2", "task.start_position_m", "3"],
+    ),
+    ("unknown_gain", "[gains]\nslop = [1.0]\n", &[":2", "gains.slop", "slope"]),
+    ("gain_range", "[gains]\nleak = -1.0\n", &["leak", "-1", "0.1", "20"]),
+    (
+        "heavy_change",
+        "[[disturbances]]\nat_s = 1.0\nkind = \"payload_mass\"\nkg = 300.0\n",
+        &[":4", "disturbances[0].kg", "300", "0.001..=2 kg", "looks like grams, write 0.3"],
+    ),
+    (
+        "hard_push",
+        "[[disturbances]]\nat_s = 1.0\nkind = \"push\"\nforce_n = [1e7, 0.0, 0.0]\nduration_s = 0.5\n",
+        &[":4", "disturbances[0].force_n[0]", "10000000", "-100..=100 N"],
+    ),
+    (
+        "long_push",
+        "[[disturbances]]\nat_s = 1.0\nkind = \"push\"\nforce_n = [1.0, 0.0, 0.0]\nduration_s = 11.0\n",
+        &[":5", "disturbances[0].duration_s", "11", "0..=10 s"],
+    ),
+    (
+        "storm",
+        "disturbances = [{ at_s = 1.0, kind = \"wind\", velocity_m_s = [0.0, 31.0, 0.0] }]\n",
+        &[":1", "disturbances[0].velocity_m_s[1]", "31", "-30..=30 m/s"],
+    ),
+    ("no_toml", "[payload\nmass_kg = 0.3\n", &[":1", "not TOML"]),
+    ("missing_urdf", "[vehicle]\nurdf = \"nowhere.urdf\"\n", &["nowhere.urdf"]),
+    (
+        "unknown_joint",
+        "[vehicle]\nurdf = \"URDF\"\narm_joints = [\"elbow\"]\n",
+        &["vehicle.arm_joints", "elbow", "joint1"],
+    ),
+    (
+        "odd_rate",
+        "[vehicle]\nurdf = \"URDF\"\n[controller]\ninner_hz = 300.0\n",
+        &["controller.inner_hz", "300", "1000"],
+    ),
+];
+
 #[test]
 fn a_bad_scenario_is_refused_with_file_line_key_finding_and_what_is_allowed() {
-    let cases: &[(&str, &str, &[&str])] = &[
-        (
-            "unknown_key",
-            "title = \"x\"\n[payload]\nmas_kg = 0.3\n",
-            &[":3", "payload.mas_kg", "mass_kg"],
-        ),
-        ("unknown_table", "\n[pailoud]\nmass_kg = 0.3\n", &[":2", "pailoud", "payload"]),
-        ("not_a_number", "[payload]\nmass_kg = nan\n", &[":2", "payload.mass_kg", "NaN", "finite"]),
-        ("infinite", "[payload]\n\nmass_kg = inf\n", &[":3", "payload.mass_kg", "inf"]),
-        ("negative_mass", "[payload]\nmass_kg = -0.3\n", &[":2", "payload.mass_kg", "-0.3"]),
-        ("grams", "[payload]\nmass_kg = 300.0\n", &[":2", "payload.mass_kg", "300", "0.3"]),
-        (
-            "wrong_type",
-            "[payload]\nmass_kg = \"heavy\"\n",
-            &[":2", "payload.mass_kg", "heavy", "number"],
-        ),
-        (
-            "wrong_word",
-            "[predictor]\nkind = \"oracle\"\n",
-            &[":2", "predictor.kind", "oracle", "persistence"],
-        ),
-        (
-            "short_list",
-            "[task]\nstart_position_m = [0.0, 1.0]\n",
-            &[":2", "task.start_position_m", "3"],
-        ),
-        ("unknown_gain", "[gains]\nslop = [1.0]\n", &[":2", "gains.slop", "slope"]),
-        ("gain_range", "[gains]\nleak = -1.0\n", &["leak", "-1", "0.1", "20"]),
-        (
-            "heavy_change",
-            "[[disturbances]]\nat_s = 1.0\nkind = \"payload_mass\"\nkg = 300.0\n",
-            &[":4", "disturbances[0].kg", "300", "0.001..=2 kg", "looks like grams, write 0.3"],
-        ),
-        (
-            "hard_push",
-            "[[disturbances]]\nat_s = 1.0\nkind = \"push\"\nforce_n = [1e7, 0.0, 0.0]\nduration_s = 0.5\n",
-            &[":4", "disturbances[0].force_n[0]", "10000000", "-100..=100 N"],
-        ),
-        (
-            "long_push",
-            "[[disturbances]]\nat_s = 1.0\nkind = \"push\"\nforce_n = [1.0, 0.0, 0.0]\nduration_s = 11.0\n",
-            &[":5", "disturbances[0].duration_s", "11", "0..=10 s"],
-        ),
-        (
-            "storm",
-            "disturbances = [{ at_s = 1.0, kind = \"wind\", velocity_m_s = [0.0, 31.0, 0.0] }]\n",
-            &[":1", "disturbances[0].velocity_m_s[1]", "31", "-30..=30 m/s"],
-        ),
-        ("no_toml", "[payload\nmass_kg = 0.3\n", &[":1", "not TOML"]),
-        ("missing_urdf", "[vehicle]\nurdf = \"nowhere.urdf\"\n", &["nowhere.urdf"]),
-        (
-            "unknown_joint",
-            "[vehicle]\nurdf = \"URDF\"\narm_joints = [\"elbow\"]\n",
-            &["vehicle.arm_joints", "elbow", "joint1"],
-        ),
-        (
-            "odd_rate",
-            "[vehicle]\nurdf = \"URDF\"\n[controller]\ninner_hz = 300.0\n",
-            &["controller.inner_hz", "300", "1000"],
-        ),
-    ];
     let folder = Folder::new("scenario");
     let urdf = Path::new(env!("CARGO_MANIFEST_DIR")).join("urdf/aerial_manipulator.urdf");
-    for (name, text, wanted) in cases {
+    for (name, text, wanted) in BAD_SCENARIOS {
         let file = folder
             .write(&format!("{name}.toml"), &text.replace("URDF", &urdf.display().to_string()));
         let file = file.to_str().expect("a path of ASCII");

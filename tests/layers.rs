@@ -176,7 +176,7 @@ fn dependencies(name: &str) -> BTreeSet<String> {
 fn every_crate_depends_only_on_crates_below_it() {
     let mut lower = BTreeSet::new();
     for (name, allowed) in CRATES {
-        for used in allowed.iter() {
+        for used in *allowed {
             assert!(
                 lower.contains(used),
                 "{name} may use {used}, which does not stand below it in CRATES"

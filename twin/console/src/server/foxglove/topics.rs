@@ -182,7 +182,7 @@ impl Rows {
             .schema(schema)
             .build_raw()
             .inspect_err(|error| {
-                tracing::error!("cannot create the topic /twin/telemetry: {error}")
+                tracing::error!("cannot create the topic /twin/telemetry: {error}");
             })
             .ok()?;
         let joints = [1, 2]
