@@ -28,7 +28,7 @@ use stand_ins::StandIns;
 /// Beyond this pitch Euler angles lose their meaning, rad.
 const PITCH_LIMIT_RAD: f64 = 80.0 * std::f64::consts::PI / 180.0;
 
-/// A flight in progress.
+/// A flight in progress. [`Parts`] has an example, from the parts to the last tick.
 pub struct Flight {
     parts: Parts,
     schedule: Schedule,

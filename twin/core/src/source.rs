@@ -27,6 +27,56 @@ pub trait InnerLoop {
 }
 
 /// Something that can be flown or replayed.
+///
+/// A point mass, integrated by hand. It has no attitude, so the force acts at once, and it calls no inner controller:
+///
+/// ```
+/// # use nalgebra::{Vector2, Vector3};
+/// # use twin_core::{control::{Allocation, Rotor, Rows}, fixture};
+/// use twin_core::notation::{Coords, GRAVITY_M_S2, N, TICK_S};
+/// use twin_core::source::{Disturbance, InnerLoop, Source};
+/// use twin_core::tick::{GripperReading, Measurement, Setpoint, Truth};
+///
+/// const MASS_KG: f64 = 2.0;
+/// struct PointMass {
+///     t_s: f64,
+///     chi: Coords,
+///     chi_dot: Coords,
+/// }
+///
+/// impl Source for PointMass {
+///     fn advance(&mut self, setpoint: &Setpoint, _: &mut dyn InnerLoop) -> Measurement {
+///         let tau = setpoint.force_in_world_n.fixed_resize::<N, 1>(0.0);
+///         let mut chi_ddot = tau / MASS_KG;
+///         chi_ddot[2] -= GRAVITY_M_S2;
+///         // Exact, because the force is constant during a tick.
+///         self.chi += self.chi_dot * TICK_S + chi_ddot * (TICK_S * TICK_S / 2.0);
+///         self.chi_dot += chi_ddot * TICK_S;
+///         self.t_s += TICK_S;
+///         Measurement {
+///             t_s: self.t_s,
+///             chi: self.chi.into(),
+///             chi_dot: self.chi_dot.into(),
+///             chi_ddot: chi_ddot.into(), // nothing is noisy, so neither this nor the force passes H
+///             tau_applied: tau.into(),
+///             gripper: GripperReading::default(),
+///             payload: None,
+///             saturated: false,
+///             airborne: true,
+///         }
+///     }
+///
+///     fn truth(&self) -> Option<Truth> { None }
+///     fn disturb(&mut self, _: &Disturbance) {}
+/// }
+/// # let rotor = Rotor { position_in_body: Vector3::zeros(), torque_per_thrust_m: 0.0 };
+/// # let mut rows = Rows::new(Allocation::new(&[rotor], 0.0, 0.0), Vector3::zeros(), Vector2::zeros(), 0.0, 0.002);
+/// // Without force it falls g t²/2 in t = 1 s.
+/// let setpoint = Setpoint { force_in_world_n: Vector3::zeros(), ..fixture::tick(0).setpoint };
+/// let mut mass = PointMass { t_s: 0.0, chi: Coords::zeros(), chi_dot: Coords::zeros() };
+/// let fallen = (0..100).map(|_| mass.advance(&setpoint, &mut rows)).last().expect("100 ticks");
+/// assert!((fallen.chi[2] + GRAVITY_M_S2 / 2.0).abs() < 1e-12);
+/// ```
 pub trait Source {
     /// Advances one tick under `setpoint`, running `inner` at its own rate, and measures.
     fn advance(&mut self, setpoint: &Setpoint, inner: &mut dyn InnerLoop) -> Measurement;

@@ -27,6 +27,83 @@ pub enum Stage {
 }
 
 /// The parts of a flight.
+///
+/// Four parts that were written for it fly 100 ticks. They are shorter than their like at [`Source`], [`Predictor`], [`Controller`]
+/// and [`Task`], and hidden here except for their names:
+///
+/// ```
+/// # use nalgebra::Vector3;
+/// # use twin_core::control::{Allocation, Controller, Gains, Input, Preset, Rotor, Rows};
+/// # use twin_core::residual::{HORIZON, History, NOMINAL_SCALE, Predictor, lra};
+/// # use twin_core::task::motion::{Motion, Posture};
+/// # use twin_core::task::{Step, Task, View};
+/// # use twin_core::{fixture, flight::{Flight, Parts}, notation::*, source::*, tick::*, tuning::Tuning};
+/// struct PointMass(Measurement); // 2 kg
+/// # impl Source for PointMass {
+/// #     fn advance(&mut self, setpoint: &Setpoint, _: &mut dyn InnerLoop) -> Measurement {
+/// #         let (now, tau) = (&mut self.0, setpoint.force_in_world_n.fixed_resize::<N, 1>(0.0));
+/// #         let mut chi_ddot = tau / 2.0;
+/// #         chi_ddot[2] -= GRAVITY_M_S2;
+/// #         now.chi = (*now.chi + *now.chi_dot * TICK_S + chi_ddot * (TICK_S * TICK_S / 2.0)).into();
+/// #         now.chi_dot = (*now.chi_dot + chi_ddot * TICK_S).into();
+/// #         (now.chi_ddot, now.tau_applied) = (chi_ddot.into(), tau.into());
+/// #         now.clone()
+/// #     }
+/// #     fn truth(&self) -> Option<Truth> { None }
+/// #     fn disturb(&mut self, _: &Disturbance) {}
+/// # }
+/// struct SameAgain; // expects the last residual
+/// # impl Predictor for SameAgain {
+/// #     fn regime_len(&self) -> usize { 0 }
+/// #     fn predict(&mut self, history: &History) -> Forecast {
+/// #         let last = history.newest().map_or_else(Coords::zeros, |entry| entry.residual_previous);
+/// #         Forecast { base: vec![last.into(); HORIZON + 1], regime: Vec::new(), attention: Vec::new() }
+/// #     }
+/// # }
+/// struct Pd(Setpoint); // critically damped, 8 rad/s
+/// # impl Controller for Pd {
+/// #     fn control(&mut self, input: &Input<'_>, _: &Gains) -> (Setpoint, ControlState) {
+/// #         let e = *input.measurement.chi - *input.reference.chi_des;
+/// #         let tau = input.r_hat - 128.0 * e - 32.0 * *input.measurement.chi_dot;
+/// #         let state = ControlState { error: e.into(), sliding: Coords::zeros().into(), robust_gain: 0.0 };
+/// #         (Setpoint { force_in_world_n: position(&tau), ..self.0 }, state)
+/// #     }
+/// # }
+/// struct Rise(Motion); // stays at its goal
+/// # impl Task for Rise {
+/// #     fn update(&mut self, view: &View<'_>, _: f64) -> Step {
+/// #         let reference = self.0.reference(GripperCommand::Open);
+/// #         let finished = (view.measurement.chi[2] - reference.chi_des[2]).abs() < 0.001;
+/// #         Step { reference, phase: "rise", events: Vec::new(), finished, gave_up: None }
+/// #     }
+/// # }
+/// # let Tick { mut measurement, setpoint, .. } = fixture::tick(0);
+/// # (measurement.chi, measurement.chi_dot) = (Coords::zeros().into(), Coords::zeros().into());
+/// # let rotor = Rotor { position_in_body: Vector3::zeros(), torque_per_thrust_m: 0.0 };
+/// # let rows = Rows::new(Allocation::new(&[rotor], 0.0, 0.0), Vector3::zeros(), Default::default(), 0.0, 0.002);
+/// let goal = Posture::new(0.0, 0.0, 0.1, 0.0, 0.0, 0.0);
+/// let tuning = Tuning { gains: Gains::preset(Preset::Tuned), adapter: lra::Settings::default() };
+/// let mut flight = Flight::new(Parts {
+///     source: Box::new(PointMass(measurement)),
+///     predictor: Box::new(SameAgain),
+///     adapter: lra::Adapter::new(0, Coords::from(NOMINAL_SCALE), &tuning.adapter),
+///     controller: Box::new(Pd(setpoint)),
+///     rows,
+///     task: Box::new(Rise(Motion::new(goal))),
+///     gravity: Box::new(|_| Coords::zeros()), // no model knows the weight
+///     tuning,
+///     schedule: Vec::new(),
+///     triggers: Vec::new(),
+///     setpoint,
+///     history_len: 1,
+///     outer_divisor: 1,
+/// });
+/// let tick = (0..100).map(|_| flight.tick()).last().expect("100 ticks");
+/// // The nominal inertia is 2 kg, too, so the residual is the weight.
+/// assert!((tick.adapted.r_hat[2] - 2.0 * GRAVITY_M_S2).abs() < 1e-12);
+/// // Of 0.1 m the exact solution leaves (1 + 8) exp(-8) = 0.3 % after 1 s; the first ticks and the delay of one tick change little.
+/// assert!((tick.measurement.chi[2] - 0.1).abs() < 0.0005 && tick.finished);
+/// ```
 pub struct Parts {
     /// The source: a simulated, recorded or live vehicle.
     pub source: Box<dyn Source + Send>,

@@ -35,6 +35,46 @@ pub use random_features::RandomFeatures;
 pub const HORIZON: usize = 6;
 
 /// Something that forecasts the residual from the history; deterministic, never fails.
+///
+/// A predictor that expects the mean of what it saw:
+///
+/// ```
+/// use twin_core::notation::{Coords, GRAVITY_M_S2};
+/// use twin_core::residual::{HORIZON, History, Predictor};
+/// use twin_core::tick::Forecast;
+///
+/// struct ConstantBias;
+///
+/// impl Predictor for ConstantBias {
+///     fn regime_len(&self) -> usize {
+///         0 // the adapter learns nothing
+///     }
+///
+///     fn history_len(&self) -> usize {
+///         20
+///     }
+///
+///     fn predict(&mut self, history: &History) -> Forecast {
+///         let sum: Coords = history.iter().map(|entry| entry.residual_previous).sum();
+///         let mean = sum / history.len().max(1) as f64;
+///         let base = vec![mean.into(); HORIZON + 1];
+///         Forecast { base, regime: Vec::new(), attention: Vec::new() }
+///     }
+/// }
+///
+/// // A payload of 300 g, which no model knows: the vehicle needs 2.94 N more along z to carry it.
+/// let mut payload = Coords::zeros();
+/// payload[2] = 0.3 * GRAVITY_M_S2;
+/// let mut predictor = ConstantBias;
+/// let mut history = History::new(predictor.history_len());
+/// for _ in 0..50 {
+///     history.push(Coords::zeros(), Coords::zeros(), payload, payload);
+/// }
+/// let forecast = predictor.predict(&history);
+/// assert_eq!(forecast.base.len(), HORIZON + 1);
+/// // Twenty additions round by less than 1e-12 N.
+/// assert!(forecast.base.iter().all(|r_hat| (**r_hat - payload).norm() < 1e-12));
+/// ```
 pub trait Predictor: Send {
     /// Width `d_k` of the regime latent, 0 if the predictor has none (then the adapter has nothing to learn from).
     fn regime_len(&self) -> usize;

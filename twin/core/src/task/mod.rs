@@ -54,6 +54,46 @@ pub trait ToolKinematics: std::fmt::Debug + Send + Sync {
 }
 
 /// Something to fly; deterministic.
+///
+/// A quarter of a turn on the spot, which ends as soon as the vehicle is measured there:
+///
+/// ```
+/// use std::f64::consts::FRAC_PI_2;
+/// use twin_core::task::motion::{Motion, Posture};
+/// use twin_core::task::{Step, Task, View};
+/// use twin_core::tick::GripperCommand;
+/// # use twin_core::{fixture, notation::TICK_S};
+///
+/// const RATE_RAD_S: f64 = 0.5;
+///
+/// struct QuarterTurn {
+///     yaw_rad: f64,
+/// }
+///
+/// impl Task for QuarterTurn {
+///     fn update(&mut self, view: &View<'_>, dt_s: f64) -> Step {
+///         self.yaw_rad = (self.yaw_rad + RATE_RAD_S * dt_s).min(FRAC_PI_2);
+///         let turning = self.yaw_rad < FRAC_PI_2;
+///         let posture = Posture::new(0.0, 0.0, 1.0, self.yaw_rad, 0.0, 0.0);
+///         let mut reference = Motion::new(posture).reference(GripperCommand::Open);
+///         reference.chi_des_dot[5] = if turning { RATE_RAD_S } else { 0.0 };
+///         let phase = if turning { "turn" } else { "hold" };
+///         let finished = !turning && (view.measurement.chi[5] - FRAC_PI_2).abs() < 0.01;
+///         Step { reference, phase, events: Vec::new(), finished, gave_up: None }
+///     }
+/// }
+///
+/// // A vehicle that is always where it was asked to be: a quarter of a turn at 0.5 rad/s takes 3.14 s.
+/// # let residual = fixture::tick(0).residual;
+/// let mut measurement = fixture::tick(0).measurement;
+/// let mut task = QuarterTurn { yaw_rad: 0.0 };
+/// let ticks = (1..1000).find(|_| {
+///     let step = task.update(&View { measurement: &measurement, residual: &residual }, TICK_S);
+///     measurement.chi = step.reference.chi_des;
+///     step.finished
+/// });
+/// assert_eq!(ticks, Some(315));
+/// ```
 pub trait Task: Send {
     /// One tick of `dt_s`.
     fn update(&mut self, view: &View<'_>, dt_s: f64) -> Step;
