@@ -2,7 +2,7 @@
 //!
 //! In: a [`Scenario`]. Out: `/` (console), `/ws` (see [`protocol`] and [`telemetry`]), `/meshcat/` and `/viser` (the stock
 //! viewers, see [`viewers`]), `/api/health`, `/api/state`, `/api/gains`; on a port of its own a server for Foxglove. The flight thread
-//! ([`pilot`]) never waits for a socket; each client has its own bounded [`outbox`].
+//! (`pilot`) never waits for a socket; each client has its own bounded `outbox`.
 
 mod twin_info;
 pub mod protocol;

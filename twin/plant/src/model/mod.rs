@@ -3,7 +3,7 @@
 //! This module does not know the simulator. Frames follow URDF: a link's frame is its parent joint's frame, moved by the joint;
 //! the vehicle's body frame is the root link's frame. SI units, radians.
 //!
-//! A URDF is read twice on purpose. [`check`] reads the raw XML, because there a missing `<inertial>` differs from a zero one and
+//! A URDF is read twice on purpose. `check` reads the raw XML, because there a missing `<inertial>` differs from a zero one and
 //! a finding has a line; `load` then takes the values from `urdf-rs`.
 
 mod numbers;
