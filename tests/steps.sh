@@ -34,6 +34,11 @@ check_clippy() {
   cargo clippy --release --workspace --all-targets --quiet -- -D warnings || fail "clippy warns: mend what it names above"
 }
 
+check_docs() {
+  step "documentation"
+  RUSTDOCFLAGS="-D warnings" cargo doc --release --workspace --no-deps --quiet || fail "rustdoc warns: mend what it names above"
+}
+
 check_web_types() {
   step "web: types"
   (cd web && npm run --silent typecheck) || fail "the types of web/ do not hold: mend what tsc names above"
@@ -43,6 +48,12 @@ check_web_types() {
 test_units() {
   step "unit tests${*:+ $*}"
   cargo test --release --workspace --lib --quiet "$@" || fail "a unit test fails: run cargo test --release --workspace --lib NAME to see it alone"
+}
+
+# The examples in the documentation; twin-core is the only crate whose examples run.
+test_examples() {
+  step "examples in the documentation"
+  cargo test --release --doc -p twin-core --quiet || fail "an example fails: run cargo test --release --doc -p twin-core NAME to see it alone"
 }
 
 build_binary() {
