@@ -28,7 +28,7 @@ pub mod suite;
 
 use std::path::{Path, PathBuf};
 
-pub use checks::Broken;
+pub use checks::Violation;
 pub use ending::Verdict;
 pub use file::ScenarioError;
 pub use json_schema::json_schema;
