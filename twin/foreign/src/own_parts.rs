@@ -13,9 +13,8 @@ use super::recorded::{MOST_TICKS, RecordedFlight, RecordedTick};
 use super::replayed::{Moved, as_recorded, joint_names, nominal_inertia};
 use super::stretches::{STRETCH_S, STRETCHES};
 use twin_core::notation::{Coords, TICK_S};
-use twin_record::recording::{
-    MEASUREMENT_TOPIC, METADATA_END, METADATA_START, MIRRORED, TICK_TOPIC,
-};
+use twin_record::MIRRORED;
+use twin_record::recording::{MEASUREMENT_TOPIC, METADATA_END, METADATA_START, TICK_TOPIC};
 
 /// Ticks that are read at once: as many as the recorder puts into a chunk. A measurement needs nothing of those around it, so less
 /// is read for a jump than of a flight that is resampled.
