@@ -168,7 +168,7 @@ pub(super) fn submodules(body: &str) -> BTreeSet<String> {
     declared.filter_map(|pair| pair[1].strip_suffix(';')).map(str::to_owned).collect()
 }
 
-/// Every path of two words or more in some code, such as `super::film::Footage`.
+/// Every path of two words or more in some code, such as `super::playback::PartReader`.
 pub(super) fn paths(body: &str) -> BTreeSet<Vec<String>> {
     let text: String = body.split_whitespace().collect::<Vec<_>>().join(" ");
     text.split(|c: char| !(c.is_alphanumeric() || c == '_' || c == ':'))

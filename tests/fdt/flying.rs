@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use twin_core::notation::{Coords, ROWS};
+use twin_core::notation::{COORDINATE_NAMES, Coords};
 use twin_core::residual::nn::Precision;
 use twin_core::residual::nn::kernels::Kernel;
 use twin_core::residual::weights::{Acceptance, FdtConfig, SHIPPED, Weights, channel_names};
@@ -189,7 +189,7 @@ fn acceptance_flies_the_base_forecast_alone_and_writes_the_head() {
     let flown = acceptance::fly(&hover, &path, &["task.duration_s=4.0".to_owned()]).expect("flown");
     // A constant cannot explain the variation of the residual.
     assert!(flown.r2 < 0.1, "{flown:?}");
-    assert_eq!(flown.r2_rows.len(), ROWS.len());
+    assert_eq!(flown.r2_rows.len(), COORDINATE_NAMES.len());
     let figures = Acceptance { r2: Some(0.5), hover_r2: Some(0.25), figure_eight_r2: None };
     acceptance::write(&path, figures).expect("written");
     let read = Weights::from_bytes(&std::fs::read(&path).expect("a file")).expect("weights");

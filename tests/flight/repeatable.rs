@@ -1,6 +1,7 @@
 //! The same seed gives the same flight: in memory, in a recording, and flown again from a recording.
 
 use std::path::PathBuf;
+use std::process::Command;
 use std::sync::Arc;
 
 use twin_record::{Recorder, RecordingEnd, read_recording, read_ticks};
@@ -8,16 +9,14 @@ use twin_scenario::{Scenario, Settings};
 
 use super::flown::{flown, scenario};
 
-/// A short flight with all random parts: noise, turbulence, and a cube in the gripper.
+/// Keys of a short flight with all random parts: noise, turbulence, and a cube in the gripper.
+const SHORT: [&str; 4] =
+    ["task.duration_s=2.0", "task.start=grasped", "payload.mass_kg=0.3", "wind.kind=dryden"];
+
+/// The short flight with `seed`.
 fn short(seed: u64) -> Scenario {
     let seed = format!("seed={seed}");
-    let overrides = [
-        "task.duration_s=2.0",
-        "task.start=grasped",
-        "payload.mass_kg=0.3",
-        "wind.kind=dryden",
-        &seed,
-    ];
+    let overrides: Vec<&str> = SHORT.into_iter().chain([seed.as_str()]).collect();
     scenario("hover", &overrides)
 }
 
@@ -37,6 +36,29 @@ fn the_hash_depends_on_the_command_and_not_only_on_the_seed() {
     let mut changed = short(5);
     changed.settings.gains.scalars.insert("residual_bandwidth_hz".to_owned(), 4.9);
     assert_ne!(flown(&changed).0.state_hash, report.state_hash);
+}
+
+#[test]
+fn the_hash_does_not_depend_on_the_code_that_the_c_library_chooses_for_a_processor() {
+    // glibc has a sine with fused multiply-add and one without, and takes the second where this variable denies the instruction.
+    // Other C libraries ignore it.
+    const WITHOUT_FMA: &str = "glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2";
+    let hash = |tunables: &str| {
+        let mut program = Command::new(env!("CARGO_BIN_EXE_twin"));
+        program.args(["fly", "scenarios/hover.toml", "--headless", "--json"]);
+        for key in SHORT {
+            program.args(["--set", key]);
+        }
+        let output = program
+            .current_dir(env!("CARGO_MANIFEST_DIR"))
+            .env("GLIBC_TUNABLES", tunables)
+            .output()
+            .expect("the program starts");
+        let report: serde_json::Value =
+            serde_json::from_slice(&output.stdout).expect("it prints a report");
+        report["state_hash"].as_str().expect("it flew").to_owned()
+    };
+    assert_eq!(hash(""), hash(WITHOUT_FMA));
 }
 
 /// Path of a file of this test process.

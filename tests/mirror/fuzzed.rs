@@ -65,10 +65,10 @@ pub(super) fn indexed(bytes: &[u8]) -> bool {
     let Ok(Some(opened)) = OpenedFlight::open_long(Path::new("damaged"), None, input) else {
         return false;
     };
-    if let Some(footage) = &opened.long {
-        let ticks = footage.ticks();
+    if let Some(parts) = &opened.long {
+        let ticks = parts.ticks();
         for from in [0, ticks / 2, ticks.saturating_sub(PART)] {
-            let part = footage.part(from, (from + PART).min(ticks));
+            let part = parts.part(from, (from + PART).min(ticks));
             assert_eq!(part.instants.len(), (from + PART).min(ticks) - from);
             assert_finite(&part);
         }

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use twin_foreign::Shadow;
-use twin_foreign::film::Footage;
+use twin_foreign::playback::PartReader;
 use twin_foreign::stretches::LONG_S;
 use twin_foreign::{OpenedFlight, RecordedFlight};
 
@@ -22,7 +22,7 @@ pub(super) fn both(path: &Path) -> (OpenedFlight, OpenedFlight) {
     (long, OpenedFlight::open_whole(path, None).expect("a flight"))
 }
 
-pub(super) fn footage(opened: &OpenedFlight) -> &Arc<dyn Footage> {
+pub(super) fn parts(opened: &OpenedFlight) -> &Arc<dyn PartReader> {
     opened.long.as_ref().expect("it is long and has chunks")
 }
 
@@ -65,17 +65,17 @@ fn a_long_flight_read_part_by_part_is_the_one_read_whole() {
     {
         let path = file(name, &flight(Form { compression, ..LONG }));
         let (long, whole) = both(&path);
-        let footage = footage(&long);
-        assert_eq!(footage.ticks(), whole.recorded.instants.len());
+        let parts = parts(&long);
+        assert_eq!(parts.ticks(), whole.recorded.instants.len());
         // The parts are in any order and of any length, and lie over the hole and at both ends.
         for (from, to) in
-            [(5200, 5700), (0, 500), (14_700, footage.ticks()), (5600, 5601), (5200, 5700)]
+            [(5200, 5700), (0, 500), (14_700, parts.ticks()), (5600, 5601), (5200, 5700)]
         {
-            let part = footage.part(from, to);
+            let part = parts.part(from, to);
             assert_eq!(part.instants.len(), to - from);
             assert_same(&part, &whole.recorded, from, ROUNDING);
         }
-        assert!(footage.troubles().is_empty());
+        assert!(parts.troubles().is_empty());
         assert!(long.recorded.instants.len() < 7000, "{}", long.recorded.instants.len());
         let gain = |opened: &OpenedFlight| match &opened.recorded.effort {
             twin_foreign::Effort::Fitted { fit, .. } => fit.gain,
@@ -113,9 +113,9 @@ fn the_file_of_a_recorder_that_was_killed_is_read_through_its_chunks() {
     let cut = &whole_file[..whole_file.len() * 2 / 3];
     let path = file("long_cut.mcap", cut);
     let (long, whole) = both(&path);
-    assert_eq!(footage(&long).ticks(), whole.recorded.instants.len());
-    let last = footage(&long).ticks();
-    assert_same(&footage(&long).part(last - 300, last), &whole.recorded, last - 300, ROUNDING);
+    assert_eq!(parts(&long).ticks(), whole.recorded.instants.len());
+    let last = parts(&long).ticks();
+    assert_same(&parts(&long).part(last - 300, last), &whole.recorded, last - 300, ROUNDING);
     let problems = &long.survey.container.problems;
     assert!(
         problems.iter().any(|text| text.contains("without an end of its data")),
@@ -127,7 +127,7 @@ fn the_file_of_a_recorder_that_was_killed_is_read_through_its_chunks() {
     let at = bad.len() - 8 - 20;
     bad[at..at + 8].copy_from_slice(&u64::MAX.to_le_bytes());
     let long = OpenedFlight::open(&file("long_bad_summary.mcap", &bad), None).expect("a flight");
-    assert!(footage(&long).ticks() > 23_900);
+    assert!(parts(&long).ticks() > 23_900);
 }
 
 /// Middle of the chunk that lies at this share of the file, found by walking the records.
@@ -149,15 +149,15 @@ fn a_damaged_chunk_far_inside_is_unknown_when_it_is_played_and_said_once() {
     let middle = chunk_at(&bytes, 0.36);
     bytes[middle] ^= 0x55;
     let opened = OpenedFlight::open(&file("long_damaged.mcap", &bytes), None).expect("a flight");
-    let footage = footage(&opened);
+    let parts = parts(&opened);
     assert!(opened.survey.container.problems.is_empty());
-    let near = (0.36 * footage.ticks() as f64) as usize;
+    let near = (0.36 * parts.ticks() as f64) as usize;
     for repeat in 0..2 {
-        let part = footage.part(near - 300, near + 300);
+        let part = parts.part(near - 300, near + 300);
         let unknown = part.instants.iter().filter(|i| i.chi[0].is_none()).count();
         // A chunk of 16 kB holds one or two seconds of these messages.
         assert!((20..400).contains(&unknown), "{unknown}");
-        let said = footage.troubles();
+        let said = parts.troubles();
         assert_eq!(said.len(), usize::from(repeat == 0), "{said:?}");
     }
 }

@@ -12,8 +12,8 @@ use serde_json::json;
 use tungstenite::handshake::server::{Request, Response};
 use tungstenite::{Message, WebSocket};
 use twin_core::notation::TICK_S;
-use twin_foreign::film::Footage;
 use twin_foreign::live::{From, Live};
+use twin_foreign::playback::PartReader;
 use twin_foreign::{OpenedFlight, RecordedFlight};
 
 use super::made::{ODOMETRY, THRUST, file, messages, truth};
@@ -95,15 +95,15 @@ fn serve(stream: TcpStream, start: Instant, mood: &AtomicU8) -> f64 {
     t_s
 }
 
-fn footage(opened: &OpenedFlight) -> &Arc<dyn Footage> {
+fn parts(opened: &OpenedFlight) -> &Arc<dyn PartReader> {
     opened.long.as_ref().expect("it is read as it goes on")
 }
 
 /// The newest second, and the time of the flight at its first tick, s.
 fn newest(opened: &OpenedFlight) -> (RecordedFlight, f64) {
-    let ticks = footage(opened).ticks();
+    let ticks = parts(opened).ticks();
     let from = ticks.saturating_sub(100);
-    (footage(opened).part(from, ticks), zero_s(opened) + from as f64 * TICK_S)
+    (parts(opened).part(from, ticks), zero_s(opened) + from as f64 * TICK_S)
 }
 
 /// Time of the flight at the first tick, s.
@@ -201,7 +201,7 @@ fn the_last_value_is_not_held_for_longer_than_a_gap() {
     let opened = live.wait(PATIENCE).expect("a flight");
     mood.store(SILENT, Ordering::Relaxed);
     until("silence", || !live.is_up() && known_on_the_circle(&opened) == 0);
-    let part = footage(&opened).part(0, footage(&opened).ticks());
+    let part = parts(&opened).part(0, parts(&opened).ticks());
     let known = part.instants.iter().rposition(|instant| instant.chi[0].is_some());
     let last_s = zero_s(&opened) + known.expect("positions") as f64 * TICK_S;
     mood.store(HANGS_UP, Ordering::Relaxed);

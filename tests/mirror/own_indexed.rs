@@ -11,7 +11,7 @@ use twin_foreign::OpenedFlight;
 use twin_record::{Recorder, RecordingEnd};
 use twin_scenario::Scenario;
 
-use super::indexed::{assert_same, both, footage};
+use super::indexed::{assert_same, both, parts};
 use super::made::file;
 
 /// Number of ticks, more than those of a recording that is read whole.
@@ -45,16 +45,16 @@ fn a_long_recording_of_this_program_comes_back_bit_for_bit_also_without_its_end(
     let cut = file("long_own_cut.mcap", &bytes[..bytes.len() - bytes.len() / 50]);
     for path in [path, cut] {
         let (long, whole) = both(&path);
-        let footage = footage(&long);
+        let parts = parts(&long);
         assert!(long.is_own());
         // Reading a cut file whole leaves out its last chunk; reading by the index uses the whole records of that chunk.
         let last = whole.recorded.instants.len();
-        assert!(last > 12_500 && footage.ticks() >= last, "{last} {}", footage.ticks());
+        assert!(last > 12_500 && parts.ticks() >= last, "{last} {}", parts.ticks());
         for (from, to) in [(0, 500), (5_950, 6_100), (last - 130, last)] {
-            assert_same(&footage.part(from, to), &whole.recorded, from, 0.0);
+            assert_same(&parts.part(from, to), &whole.recorded, from, 0.0);
         }
         assert_eq!(long.recorded.nominal_inertia, whole.recorded.nominal_inertia);
-        assert!(footage.troubles().is_empty());
+        assert!(parts.troubles().is_empty());
     }
 }
 
@@ -94,14 +94,14 @@ fn chunks_of_any_size_and_kind_hold_the_same_flight() {
     ] {
         let path = rewritten(&path, name, options, |_| ());
         let opened = OpenedFlight::open(&path, None).expect("a flight");
-        let footage = footage(&opened);
-        assert_eq!(footage.ticks(), wanted.instants.len(), "{name}");
+        let parts = parts(&opened);
+        assert_eq!(parts.ticks(), wanted.instants.len(), "{name}");
         // The parts are in the order of a flight, in the order of seeks, and over the end of a chunk.
         for (from, to) in [(0, 100), (100, 200), (12_345, 13_000), (5_950, 6_100), (200, 200)] {
-            assert_eq!(footage.part(from, to).instants.len(), to - from, "{name}");
-            assert_same(&footage.part(from, to), &wanted, from, 0.0);
+            assert_eq!(parts.part(from, to).instants.len(), to - from, "{name}");
+            assert_same(&parts.part(from, to), &wanted, from, 0.0);
         }
-        assert!(footage.troubles().is_empty(), "{name}");
+        assert!(parts.troubles().is_empty(), "{name}");
     }
     // Without a message index the file cannot be read by parts.
     let options = small().emit_message_indexes(false);
@@ -120,18 +120,18 @@ fn chunks_that_overlap_in_time_are_read_in_the_order_of_the_file() {
     };
     let path = rewritten(&path, "own_overlapping.mcap", small(), interleave);
     let (long, whole) = both(&path);
-    let footage = footage(&long);
-    assert_eq!(footage.ticks(), whole.recorded.instants.len());
-    assert_same(&footage.part(3_950, 4_850), &whole.recorded, 3_950, 0.0);
+    let parts = parts(&long);
+    assert_eq!(parts.ticks(), whole.recorded.instants.len());
+    assert_same(&parts.part(3_950, 4_850), &whole.recorded, 3_950, 0.0);
     assert!(whole.recorded.times_s.windows(2).any(|pair| pair[1] < pair[0]), "they do overlap");
-    assert!(footage.troubles().is_empty());
+    assert!(parts.troubles().is_empty());
 }
 
 #[test]
 fn many_readers_at_once_read_what_one_reads() {
     let path = own("own_readers.mcap", TICKS);
     let (long, whole) = both(&path);
-    let footage = footage(&long);
+    let parts = parts(&long);
     std::thread::scope(|scope| {
         for reader in 0..4 {
             let whole = &whole.recorded;
@@ -139,7 +139,7 @@ fn many_readers_at_once_read_what_one_reads() {
             scope.spawn(move || {
                 for k in 0..40 {
                     let from = (k * (2 * reader + 1)) % 40 * 75;
-                    assert_same(&footage.part(from, from + 100), whole, from, 0.0);
+                    assert_same(&parts.part(from, from + 100), whole, from, 0.0);
                 }
             });
         }
@@ -184,9 +184,9 @@ fn an_index_that_miscounts_its_chunks_is_said_and_no_tick_is_made_up() {
         bytes[place..place + 8].copy_from_slice(&at.saturating_add_signed(step).to_le_bytes());
     }
     let (long, whole) = both(&file("own_miscounted.mcap", &bytes));
-    let footage = footage(&long);
-    let all = footage.part(0, footage.ticks());
-    let said = footage.troubles();
+    let parts = parts(&long);
+    let all = parts.part(0, parts.ticks());
+    let said = parts.troubles();
     assert_eq!(said.len(), 2, "{said:?}");
     assert!(said.iter().all(|text| text.contains("its index says")), "{said:?}");
     // One tick is missing, one is left out, and the ticks between them are late by one; all others are in their place.
@@ -194,6 +194,6 @@ fn an_index_that_miscounts_its_chunks_is_said_and_no_tick_is_made_up() {
         (0..all.instants.len()).filter(|tick| all.instants[*tick].chi[0].is_none()).collect();
     assert_eq!(unknown.len(), 1, "{unknown:?}");
     assert!(unknown[0] > 3_000 && unknown[0] < 6_000, "{unknown:?}");
-    assert_same(&footage.part(0, 3_000), &whole.recorded, 0, 0.0);
-    assert_same(&footage.part(9_000, 13_000), &whole.recorded, 9_000, 0.0);
+    assert_same(&parts.part(0, 3_000), &whole.recorded, 0, 0.0);
+    assert_same(&parts.part(9_000, 13_000), &whole.recorded, 9_000, 0.0);
 }

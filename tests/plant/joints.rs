@@ -103,13 +103,13 @@ fn joint_torques_never_exceed_the_effort_of_the_urdf() {
         joint: parts.setpoint.joint_des,
         joint_dot: Vector2::zeros(),
     };
-    let near = parts.rows.command(&parts.setpoint, &state);
+    let near = parts.inner.command(&parts.setpoint, &state);
     assert!(near.joint_torque_n_m.amax() < 1.0 && !near.saturated, "{near:?}");
     for sign in [1.0, -1.0] {
         let mut far = parts.setpoint;
         far.joint_des += Vector2::repeat(2.0 * sign);
         far.r_hat = Coords::repeat(50.0 * sign);
-        let command = parts.rows.command(&far, &state);
+        let command = parts.inner.command(&far, &state);
         for (torque, name) in command.joint_torque_n_m.iter().zip(["joint1", "joint2"]) {
             let effort = robot.joints[robot.joint(name).expect("an arm joint")].effort;
             assert!((torque - sign * effort).abs() < 1e-12, "{name}: {torque} N m of {effort} N m");

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use twin_core::notation::{N, ROWS};
+use twin_core::notation::{COORDINATE_NAMES, N};
 use twin_core::residual::weights::Acceptance;
-use twin_scenario::acceptance::{Flown, fly, together, write};
+use twin_scenario::acceptance::{GateFlight, fly, together, write};
 
 use super::{End, Overrides};
 
@@ -62,11 +62,16 @@ pub(super) fn run(args: &AcceptanceArgs) -> anyhow::Result<End> {
     Ok(if acceptance.passed() { End::Passed } else { End::Failed })
 }
 
-fn print(flown: &[Flown], both: Option<[f64; N]>) {
+fn print(flown: &[GateFlight], both: Option<[f64; N]>) {
     for flown in flown {
         println!("{}: {}: {}", flown.scenario, flown.verdict, flown.reason);
     }
-    println!("{:20} {:>7}{}", "R²", "mean", ROWS.map(|row| format!(" {row:>7}")).concat());
+    println!(
+        "{:20} {:>7}{}",
+        "R²",
+        "mean",
+        COORDINATE_NAMES.map(|row| format!(" {row:>7}")).concat()
+    );
     let line = |name: &str, rows: [f64; N]| {
         let mean = rows.iter().sum::<f64>() / N as f64;
         println!("{name:20} {mean:7.3}{}", rows.map(|r2| format!(" {r2:7.3}")).concat());

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::Context;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
-use twin_core::notation::{ROWS, TICK_S};
+use twin_core::notation::{COORDINATE_NAMES, TICK_S};
 use twin_scenario::collect::{Collected, EXPECTED_STD, Flight, Plan, Spread, collect};
 use twin_scenario::side_by_side;
 
@@ -130,7 +130,10 @@ fn print_table(collected: &[Collected], together: &Spread) {
             eprintln!("{}: not usable for training: {}", flight.scenario, flight.reason);
         }
     }
-    println!("\nresidual std, N and N m   {}", ROWS.map(|row| format!("{row:>7}")).join(""));
+    println!(
+        "\nresidual std, N and N m   {}",
+        COORDINATE_NAMES.map(|row| format!("{row:>7}")).join("")
+    );
     let line = |name: &str, values: &[f64]| {
         let cells: Vec<String> = values.iter().map(|value| format!("{value:7.3}")).collect();
         println!("{name:25} {}", cells.concat());

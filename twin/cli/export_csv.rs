@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 use clap::Args;
-use twin_core::notation::{KnownCoords, N, ROWS};
+use twin_core::notation::{COORDINATE_NAMES, KnownCoords, N};
 use twin_core::tick::Tick;
 use twin_foreign::OpenedFlight;
 use twin_foreign::Shadow;
@@ -68,7 +68,8 @@ fn is_closed_pipe(error: &anyhow::Error) -> bool {
 }
 
 fn columns() -> Vec<String> {
-    let rows = GROUPS.iter().flat_map(|(stem, ..)| ROWS.map(|row| format!("{stem}.{row}")));
+    let rows =
+        GROUPS.iter().flat_map(|(stem, ..)| COORDINATE_NAMES.map(|row| format!("{stem}.{row}")));
     ["tick", "t_s"].map(str::to_owned).into_iter().chain(rows).chain(["reset".to_owned()]).collect()
 }
 

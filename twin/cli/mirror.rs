@@ -191,7 +191,7 @@ fn fly(
     let report = shadow
         .fly(&mut keep)
         .with_context(|| format!("{}: no tick to fly", opened.path.display()))?;
-    for text in shadow.film().troubles() {
+    for text in shadow.playback().troubles() {
         eprintln!("{}: {text}", opened.path.display());
     }
     if let Some(trouble) = trouble {

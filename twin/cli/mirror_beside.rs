@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use anyhow::Context;
-use twin_core::notation::{ROWS, TICK_S};
+use twin_core::notation::{COORDINATE_NAMES, TICK_S};
 use twin_foreign::OpenedFlight;
 use twin_foreign::divergence::HORIZONS;
-use twin_foreign::{DivergenceReport, Flyer, Light, Shadow, Shot, Twin};
+use twin_foreign::{DivergenceReport, Flyer, Light, Shadow, Twin, TwinFlight};
 
 /// The twin of the vehicle in `urdf`, or of the mass and inertia that are known.
 pub(super) fn twin(urdf: Option<&Path>, opened: &OpenedFlight) -> anyhow::Result<Twin> {
@@ -19,7 +19,7 @@ pub(super) fn twin(urdf: Option<&Path>, opened: &OpenedFlight) -> anyhow::Result
 /// Divergence of the twin from the flight.
 pub(super) struct Divergence {
     report: DivergenceReport,
-    from: Option<Shot>,
+    from: Option<TwinFlight>,
 }
 
 impl Divergence {
@@ -30,7 +30,7 @@ impl Divergence {
         twin: Twin,
         fly_from: Option<f64>,
     ) -> anyhow::Result<Self> {
-        let flyer = Flyer::new(shadow.film(), opened, twin);
+        let flyer = Flyer::new(shadow.playback(), opened, twin);
         let from = match fly_from {
             None => None,
             Some(t_s) => {
@@ -46,7 +46,7 @@ impl Divergence {
         let mut found = serde_json::to_value(&self.report).unwrap_or_default();
         if let Some(shot) = &self.from {
             let after = HORIZONS.iter().zip(&shot.after).map(|(ticks, misses)| {
-                let axes = ROWS
+                let axes = COORDINATE_NAMES
                     .iter()
                     .zip(misses)
                     .map(|(row, miss)| serde_json::json!({ "row": row, "miss": miss }));
@@ -86,7 +86,7 @@ impl Divergence {
         let Some(shot) = &self.from else { return };
         println!("  from {:.2} s, miss of twin, with the residual, coasting:", shot.t_s);
         for (ticks, misses) in HORIZONS.iter().zip(&shot.after) {
-            for (row, miss) in ROWS.iter().zip(misses) {
+            for (row, miss) in COORDINATE_NAMES.iter().zip(misses) {
                 let (Some(twin), Some(with), Some(coasting)) =
                     (miss.twin, miss.with_residual, miss.coasting)
                 else {

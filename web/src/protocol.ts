@@ -566,7 +566,7 @@ export type NoticeLevel = "info" | "warning" | "error";
  */
 export type Scene = { 
 /**
- * Bodies; the moving ones are in the order of [`crate::tick::Truth::poses`].
+ * Bodies; the moving ones are in the order of [`twin_core::tick::Truth::poses`].
  */
 bodies: Array<SceneBody>, 
 /**
@@ -635,11 +635,11 @@ quaternion_wxyz: [number, number, number, number],
 rgba: [number, number, number, number], };
 
 /**
- * Form and size of a shape, centred on its origin; cylinder and capsule along z.
+ * A solid. Cylinders and capsules lie along z. All shapes but meshes are centred on their origin.
  */
 export type SceneShape = { "kind": "box", 
 /**
- * Edge lengths, m.
+ * Full edge lengths along x, y, z, m.
  */
 size_m: [number, number, number], } | { "kind": "cylinder", 
 /**
@@ -647,7 +647,7 @@ size_m: [number, number, number], } | { "kind": "cylinder",
  */
 radius_m: number, 
 /**
- * Length, m.
+ * Full length along z, m.
  */
 length_m: number, } | { "kind": "sphere", 
 /**
@@ -659,7 +659,7 @@ radius_m: number, } | { "kind": "capsule",
  */
 radius_m: number, 
 /**
- * Length of the cylinder part, m.
+ * Length of the cylindrical part along z, m.
  */
 length_m: number, } | { "kind": "mesh", 
 /**
@@ -667,7 +667,7 @@ length_m: number, } | { "kind": "mesh",
  */
 vertices: Array<[number, number, number]>, 
 /**
- * Indices into the corners.
+ * Indices into `vertices`, counter-clockwise from outside.
  */
 triangles: Array<[number, number, number]>, };
 

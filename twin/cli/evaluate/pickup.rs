@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use twin_lab::evaluate::Sheet;
-use twin_lab::evaluate::pickup::{Flown, MODES, pick_up, pictures};
+use twin_lab::evaluate::pickup::{MODES, PickupFlight, pick_up, pictures};
 use twin_scenario::{Scenario, side_by_side};
 
 use super::output::Output;
@@ -42,7 +42,7 @@ pub(super) fn run(args: &PickupArgs) -> anyhow::Result<End> {
     let threads =
         args.jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
     let flown = side_by_side(&jobs, threads, &|(mode, scenario)| pick_up(scenario, mode));
-    let flown = flown.into_iter().collect::<Result<Vec<Flown>, _>>()?;
+    let flown = flown.into_iter().collect::<Result<Vec<PickupFlight>, _>>()?;
     let mut sheet = Sheet::new(HEAD);
     sheet.rows.extend(flown.iter().map(|flown| cells(flown).to_vec()));
     args.output.write_pictures("When the load changes", &sheet, || {
@@ -61,7 +61,7 @@ pub(super) fn run(args: &PickupArgs) -> anyhow::Result<End> {
     Ok(if flown.iter().all(|flown| flown.at_s.is_some()) { End::Passed } else { End::Failed })
 }
 
-fn cells(flown: &Flown) -> [String; 8] {
+fn cells(flown: &PickupFlight) -> [String; 8] {
     let seconds =
         |value: Option<f64>| value.map_or_else(|| "never".to_owned(), |v| format!("{v:.2}"));
     [
@@ -79,7 +79,7 @@ fn cells(flown: &Flown) -> [String; 8] {
 const HEAD: [&str; 8] =
     ["scenario", "mode", "verdict", "load at s", "peak/δ", "resets", "recovery s", "e_pos peak m"];
 
-fn print_table(flown: &[Flown]) {
+fn print_table(flown: &[PickupFlight]) {
     let line = |cells: [&str; 8]| {
         let [scenario, mode, rest @ ..] = cells;
         let rest: Vec<String> = rest.iter().map(|cell| format!(" {cell:>13}")).collect();

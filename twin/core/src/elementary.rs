@@ -110,7 +110,7 @@ mod tests {
             asin(0.7), 0x3fe8_d00e_692a_fd95, 0;
             asin(-0.99), 0xbff6_de3c_6f33_d51d, 0;
             acos(0.1), 0x3ff7_87b2_2ce3_f590, 0;
-            acos(-0.7), 0x4002_c501_446c_d5f1, 0;
+            acos(-0.7), 0x4002_c501_446c_d5f1, 1;
             acos(0.999), 0x3fa6_e634_e566_a29e, 0;
             atan2(0.3, 1.0), 0x3fd2_a73a_661e_af06, 0;
             atan2(1.0, -2.0), 0x4005_6c6e_7397_f5ae, 0;
@@ -129,8 +129,8 @@ mod tests {
             log10(12_345.0), 0x4010_5daf_d767_0640, 0;
             powf(0.1, 0.3), 0x3fe0_09b9_cf33_4253, 0;
             powf(10.0, -2.5), 0x3f69_e7c6_e433_90b7, 0;
-            powf(1.37, 12.0), 0x4045_dbba_f5dc_ff75, 0;
-            hypot(0.1, 0.2), 0x3fcc_9f25_c5bf_edda, 0;
+            powf(1.37, 12.0), 0x4045_dbba_f5dc_ff75, -1;
+            hypot(0.1, 0.2), 0x3fcc_9f25_c5bf_edda, -1;
             hypot(3.3, -4.7), 0x4016_f8a6_3a24_9c74, 0;
             hypot(1e200, 1e199), 0x6975_01c9_357b_e18d, 0;
             erf(0.1), 0x3fbc_ca5e_a24f_b334, 0;

@@ -6,7 +6,7 @@ use crate::elementary::sin;
 use crate::notation::{Coords, TICK_S};
 use crate::tick::{
     ActuatorCommand, Adaptation, Adapted, Contact, ControlState, Event, EventKind, Forecast,
-    GripperCommand, GripperReading, InnerLaw, Measurement, Pose, Reference, RowGains, Setpoint,
+    GripperCommand, GripperReading, InnerGains, InnerLaw, Measurement, Pose, Reference, Setpoint,
     Tick, Truth,
 };
 
@@ -44,7 +44,7 @@ fn truth(index: u64) -> Truth {
 }
 
 fn setpoint(index: u64) -> Setpoint {
-    let rows = RowGains {
+    let rows = InnerGains {
         law: InnerLaw::Rows,
         slope: coords(index, 60),
         damping: coords(index, 61),

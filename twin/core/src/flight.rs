@@ -12,7 +12,7 @@ mod stand_ins;
 pub use parts::{Parts, Stage};
 pub use schedule::{Condition, Trigger};
 
-use crate::control::{Input, Rows};
+use crate::control::{InnerController, Input};
 use crate::notation::{Coords, KnownCoords, MAX_ROTORS, TICK_S};
 use crate::residual::{History, Predictor, label};
 use crate::source::Disturbance;
@@ -129,7 +129,7 @@ impl Flight {
             self.disturb(&disturbance);
         }
         // Line 2: measure. The inner rows run inside.
-        let mut inner = Recording { rows: &mut self.parts.rows, last: self.actuators };
+        let mut inner = LoggedInnerLoop { inner: &mut self.parts.inner, last: self.actuators };
         let measured = self.parts.source.advance(&self.setpoint, &mut inner);
         self.actuators = inner.last;
         let measurement = self.check(measured);
@@ -191,7 +191,7 @@ impl Flight {
             r_hat: &r_hat,
             residual: &seen.residual,
             nominal_gravity: &nominal_gravity,
-            desired_attitude: self.parts.rows.desired_attitude(),
+            desired_attitude: self.parts.inner.desired_attitude(),
             dt_s,
         };
         let (setpoint, control) = self.parts.controller.control(&input, &tuning.gains);
@@ -348,18 +348,18 @@ fn usable(adapted: &Adapted, nominal_gravity: &Coords) -> Coords {
 }
 
 /// Remembers the last command of the inner rows.
-struct Recording<'a> {
-    rows: &'a mut Rows,
+struct LoggedInnerLoop<'a> {
+    inner: &'a mut InnerController,
     last: ActuatorCommand,
 }
 
-impl crate::source::InnerLoop for Recording<'_> {
+impl crate::source::InnerLoop for LoggedInnerLoop<'_> {
     fn command(
         &mut self,
         setpoint: &Setpoint,
         state: &crate::source::InnerState,
     ) -> ActuatorCommand {
-        self.last = self.rows.command(setpoint, state);
+        self.last = self.inner.command(setpoint, state);
         self.last
     }
 }

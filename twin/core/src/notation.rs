@@ -25,7 +25,7 @@ mod known;
 use crate::elementary::{asin, atan2, sin_cos};
 use nalgebra::{Matrix3, SVector, Vector3};
 
-pub use known::{KnownCoords, KnownRows, known_in_both};
+pub use known::{KnownCoords, KnownMask, known_in_both};
 
 /// Number of generalised coordinates, `n = 6 + n_arm`.
 pub const N: usize = 8;
@@ -34,7 +34,7 @@ pub const N: usize = 8;
 pub type Coords = SVector<f64, N>;
 
 /// Row names in coordinate order.
-pub const ROWS: [&str; N] = ["x", "y", "z", "phi", "theta", "psi", "q1", "q2"];
+pub const COORDINATE_NAMES: [&str; N] = ["x", "y", "z", "phi", "theta", "psi", "q1", "q2"];
 
 /// Standard gravity used by plant and models, m/s².
 pub const GRAVITY_M_S2: f64 = 9.81;

@@ -8,7 +8,7 @@
 use nalgebra::{Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
-use crate::notation::{Coords, KnownCoords, KnownRows, PerRotor, known_in_both};
+use crate::notation::{Coords, KnownCoords, KnownMask, PerRotor, known_in_both};
 
 /// What the source measured in one control period: the input of everything above the source.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -46,7 +46,7 @@ fn is_true(value: &bool) -> bool {
 
 impl Measurement {
     /// The rows of which a residual can be formed: force and acceleration are known, and the vehicle flies.
-    pub fn residual_known(&self) -> KnownRows {
+    pub fn residual_known(&self) -> KnownMask {
         let known = known_in_both(self.tau_applied.known(), self.chi_ddot.known());
         known.map(|known| known && self.airborne)
     }
@@ -223,7 +223,7 @@ pub struct Setpoint {
     /// Robust gain `sigma_hat`, held between ticks.
     pub robust_gain: f64,
     /// Law and gains of the inner rows.
-    pub rows: RowGains,
+    pub rows: InnerGains,
     /// Gripper command.
     pub gripper: GripperCommand,
 }
@@ -241,7 +241,7 @@ pub enum InnerLaw {
 
 /// Gains of the inner rows, in coordinate order.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct RowGains {
+pub struct InnerGains {
     /// Law on attitude.
     pub law: InnerLaw,
     /// Error slope `Phi`, 1/s.

@@ -6,7 +6,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::control::Gains;
-use crate::notation::ROWS;
+use crate::notation::COORDINATE_NAMES;
 use crate::quantity::{self, OutOfRange, Quantity};
 use crate::residual::lra;
 
@@ -102,7 +102,7 @@ impl Tuning {
     /// Every value an operator may change, in the order it is shown.
     pub fn parameters() -> Vec<Parameter> {
         let rows = |stem: &'static str, group: &'static str, letter: &'static str| {
-            ROWS.iter().enumerate().map(move |(index, row)| Parameter {
+            COORDINATE_NAMES.iter().enumerate().map(move |(index, row)| Parameter {
                 name: format!("{stem}.{row}"),
                 group,
                 label: format!("{letter} {}", symbol(row)),
@@ -156,7 +156,7 @@ impl Tuning {
             let scalar = SCALARS.iter().find(|scalar| scalar.quantity.name == name)?;
             return Some((scalar.slot)(self));
         };
-        let row = ROWS.iter().position(|known| *known == row)?;
+        let row = COORDINATE_NAMES.iter().position(|known| *known == row)?;
         match stem {
             "slope" => Some(Slot::Number(&mut self.gains.slope[row])),
             "damping" => Some(Slot::Number(&mut self.gains.damping[row])),

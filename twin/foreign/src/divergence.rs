@@ -10,10 +10,10 @@ use std::sync::Arc;
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
-pub use super::divergence_report::{AXES, HORIZONS, Miss, Shot};
+pub use super::divergence_report::{AXES, HORIZONS, PredictionError, TwinFlight};
 use super::divergence_report::{Axis, Report, report};
 use crate::OpenedFlight;
-use crate::film::{Cursor, Film};
+use crate::playback::{Cursor, Playback};
 use twin_core::notation::{
     Coords, GRAVITY_M_S2, TICK_S, attitude, body_rate_from_euler_rate, euler_from_rotation,
     euler_rate_from_body_rate, position, world_from_body, wrap_angle,
@@ -113,7 +113,7 @@ impl Twin {
 /// Flies the twin from any tick of a flight.
 #[derive(Clone, Debug)]
 pub struct Flyer {
-    film: Arc<Film>,
+    playback: Arc<Playback>,
     twin: Twin,
     delay_ticks: f64,
     /// A torque that is only fitted says the attitude worse than coasting: the recording's is taken then.
@@ -123,12 +123,12 @@ pub struct Flyer {
 }
 
 impl Flyer {
-    /// `twin` beside `film`, which is of `opened`.
-    pub fn new(film: &Arc<Film>, opened: &OpenedFlight, twin: Twin) -> Self {
+    /// `twin` beside `playback`, which is of `opened`.
+    pub fn new(playback: &Arc<Playback>, opened: &OpenedFlight, twin: Twin) -> Self {
         let delay_ticks = PASS_TICKS * opened.recorded.acceleration[0].passes() as f64;
         let own_attitude = opened.recorded.fitted_inertia().is_none();
         let of_kg = opened.per_kilogram().then_some(opened.recorded.mass_kg);
-        Self { film: Arc::clone(film), twin, delay_ticks, own_attitude, of_kg }
+        Self { playback: Arc::clone(playback), twin, delay_ticks, own_attitude, of_kg }
     }
 
     /// What flies, for people.
@@ -142,23 +142,23 @@ impl Flyer {
     }
 
     /// From tick `start` over all horizons; `None` where force or motion is not known all the while.
-    pub fn from(&self, start: usize) -> Option<Shot> {
+    pub fn from(&self, start: usize) -> Option<TwinFlight> {
         let clip = self.clip(start, LAST)?;
         let after = self.misses(&clip)?;
         let after = std::array::from_fn(|i| after[i]);
-        Some(Shot { t_s: clip.frame(0).t_s, free: clip.free, after })
+        Some(TwinFlight { t_s: clip.frame(0).t_s, free: clip.free, after })
     }
 
     /// How far the twin is from the flight at the second horizon, having started from `start`.
-    pub fn half_second(&self, start: usize) -> Option<[Miss; AXES]> {
+    pub fn half_second(&self, start: usize) -> Option<[PredictionError; AXES]> {
         self.misses(&self.clip(start, HORIZONS[1])?)?.get(1).copied()
     }
 
     /// From instants all along the flight.
     pub fn along(&self) -> Report {
-        let every = (self.film.ticks() / MOST_STARTS).max(HORIZONS[1]);
-        let starts = (0..self.film.ticks()).step_by(every);
-        let shots: Vec<Shot> = starts.filter_map(|start| self.from(start)).collect();
+        let every = (self.playback.ticks() / MOST_STARTS).max(HORIZONS[1]);
+        let starts = (0..self.playback.ticks()).step_by(every);
+        let shots: Vec<TwinFlight> = starts.filter_map(|start| self.from(start)).collect();
         let held = if self.own_attitude {
             "recorded force; the attitude is as recorded, because no torque is known"
         } else {
@@ -170,7 +170,7 @@ impl Flyer {
     /// What is known around a start.
     fn clip(&self, start: usize, ticks: usize) -> Option<Clip> {
         let first = start.checked_sub(BEFORE)?;
-        let mut cursor = Cursor::new(&self.film);
+        let mut cursor = Cursor::new(&self.playback);
         let mut frames = (first..=start + self.reach(ticks))
             .map(|tick| cursor.frame(tick).filter(|frame| known(frame, 0..3)).cloned())
             .collect::<Option<Vec<Measurement>>>()?;
@@ -188,7 +188,7 @@ impl Flyer {
     }
 
     /// Per horizon within the clip.
-    fn misses(&self, clip: &Clip) -> Option<Vec<[Miss; AXES]>> {
+    fn misses(&self, clip: &Clip) -> Option<Vec<[PredictionError; AXES]>> {
         let inertial = self.twin.inertial(&clip.frame(0).chi);
         let rates = clip.rates()?;
         let chi = clip.frame(0).chi;
@@ -205,7 +205,7 @@ impl Flyer {
                     let off = from[row] - there[row];
                     (row < 3 || clip.free).then(|| if row < 3 { off } else { wrap_angle(off) })
                 };
-                Miss {
+                PredictionError {
                     twin: off(&twin[i]),
                     with_residual: off(&with_residual[i]),
                     coasting: off(&coasted),

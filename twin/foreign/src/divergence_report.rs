@@ -3,7 +3,7 @@
 use serde::Serialize;
 use ts_rs::TS;
 
-use twin_core::notation::{ROWS, TICK_S};
+use twin_core::notation::{COORDINATE_NAMES, TICK_S};
 
 /// Horizons in ticks at which twin and recorded flight are compared: 0.1, 0.5 and 1 s.
 pub const HORIZONS: [usize; 3] = [10, 50, 100];
@@ -23,18 +23,18 @@ const GOOD_SHARE: f64 = 0.5;
 
 /// One flight of the twin from one point of the recording.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Shot {
+pub struct TwinFlight {
     /// Start of the flight, s of the recording.
     pub t_s: f64,
     /// True if the torque is known and the twin flies its own attitude; false if it follows the recorded attitude.
     pub free: bool,
     /// Errors per horizon and coordinate.
-    pub after: [[Miss; AXES]; HORIZONS.len()],
+    pub after: [[PredictionError; AXES]; HORIZONS.len()],
 }
 
 /// Distance from the recorded flight after one horizon, m or rad; `None` where it is not compared.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Miss {
+pub struct PredictionError {
     /// Error of the twin.
     pub twin: Option<f64>,
     /// Error of the twin with the residual that was measured before the start.
@@ -69,7 +69,7 @@ impl Light {
     }
 
     /// Worst verdict over the coordinates that were compared; `None` if none was.
-    pub fn worst(misses: &[Miss; AXES]) -> Option<Self> {
+    pub fn worst(misses: &[PredictionError; AXES]) -> Option<Self> {
         misses.iter().filter_map(|m| Some(Self::of(m.twin?, m.coasting?))).max()
     }
 }
@@ -120,7 +120,7 @@ pub struct AxisReport {
 }
 
 /// Summarises `shots`. `held` describes the commands if the flights follow the recorded attitude.
-pub(super) fn report(twin: &str, held: &'static str, shots: &[Shot]) -> Report {
+pub(super) fn report(twin: &str, held: &'static str, shots: &[TwinFlight]) -> Report {
     let horizons: Vec<Horizon> = HORIZONS
         .iter()
         .enumerate()
@@ -144,8 +144,8 @@ pub(super) fn report(twin: &str, held: &'static str, shots: &[Shot]) -> Report {
     }
 }
 
-fn axis(shots: &[Shot], horizon: usize, row: usize) -> Option<AxisReport> {
-    let rms = |of: fn(&Miss) -> Option<f64>| {
+fn axis(shots: &[TwinFlight], horizon: usize, row: usize) -> Option<AxisReport> {
+    let rms = |of: fn(&PredictionError) -> Option<f64>| {
         let values: Vec<f64> =
             shots.iter().filter_map(|shot| of(&shot.after[horizon][row])).collect();
         let mean = values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64;
@@ -154,7 +154,7 @@ fn axis(shots: &[Shot], horizon: usize, row: usize) -> Option<AxisReport> {
     let (twin_rms, with_residual_rms, coasting_rms) =
         (rms(|m| m.twin)?, rms(|m| m.with_residual)?, rms(|m| m.coasting)?);
     Some(AxisReport {
-        row: ROWS[row],
+        row: COORDINATE_NAMES[row],
         unit: if row < 3 { "m" } else { "rad" },
         twin_rms,
         with_residual_rms,

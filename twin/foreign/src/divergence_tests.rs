@@ -1,7 +1,7 @@
 use super::super::divergence_report::Light;
 use super::*;
 use crate::Effort;
-use crate::recorded::{Derivation, Instant, RecordedFlight};
+use crate::recorded::{Derivation, RecordedFlight, RecordedTick};
 use twin_core::elementary::{cos, sin, squared};
 use twin_core::notation::N;
 
@@ -21,7 +21,7 @@ fn flight(overstated: f64, torque: bool, delay_s: f64) -> RecordedFlight {
         let a = Vector3::new(-cos(late), -sin(late), 0.0) * squared(DRIVE_RAD_S);
         let force = (a + Vector3::z() * GRAVITY_M_S2) * MASS_KG * overstated - side;
         let turn = -0.1 * sin(late) * squared(DRIVE_RAD_S);
-        let mut made = Instant::default();
+        let mut made = RecordedTick::default();
         for row in 0..AXES {
             made.chi[row] = Some(chi[row]);
             made.chi_dot[row] = Some(0.0);
@@ -56,7 +56,7 @@ fn flyer(recorded: &RecordedFlight) -> Flyer {
     };
     assert_eq!(recorded.instants[0].chi.len(), N);
     Flyer {
-        film: Arc::new(Film::whole(recorded)),
+        playback: Arc::new(Playback::whole(recorded)),
         twin: Twin { form: Form::Body(inertial), says: "made".to_owned() },
         delay_ticks: PASS_TICKS,
         own_attitude: true,
@@ -86,7 +86,7 @@ fn a_twin_that_is_the_vehicle_goes_where_it_went_but_for_what_pushes_it() {
             near(x.with_residual, 0.0);
             near(y.twin, 0.0);
             near(z.twin, 0.0);
-            if torque { near(phi.twin, 0.0) } else { assert_eq!(phi, Miss::default()) }
+            if torque { near(phi.twin, 0.0) } else { assert_eq!(phi, PredictionError::default()) }
         }
     }
 }

@@ -85,7 +85,7 @@ pub fn gather(file: &std::path::Path, map: &Map) -> Result<Gathered, ContainerEr
 /// # Errors
 /// [`ContainerError`] if the input cannot be read.
 pub fn gather_from(input: &mut impl Read, map: &Map) -> Result<Gathered, ContainerError> {
-    let mut collector = Collector::new(map, None);
+    let mut collector = MessageDecoder::new(map, None);
     container::read(input, &mut |record| collector.take(record))?;
     Ok(collector.finish())
 }
@@ -119,7 +119,7 @@ struct Extract {
 
 /// Decodes records as they arrive; `M` is a map or a reference to a map.
 #[derive(Debug)]
-pub(super) struct Collector<M> {
+pub(super) struct MessageDecoder<M> {
     map: M,
     /// The only channels to decode, if given.
     only: Option<BTreeSet<u16>>,
@@ -128,7 +128,7 @@ pub(super) struct Collector<M> {
     notes: Vec<String>,
 }
 
-impl<M: Deref<Target = Map>> Collector<M> {
+impl<M: Deref<Target = Map>> MessageDecoder<M> {
     /// A collector for all channels that `map` asks for, restricted to `only` if given.
     pub(super) fn new(map: M, only: Option<BTreeSet<u16>>) -> Self {
         let (schemas, channels) = (BTreeMap::new(), BTreeMap::new());

@@ -12,7 +12,7 @@ use mcap::sans_io::summary_reader::{SummaryReadEvent, SummaryReader, SummaryRead
 
 use super::container::{ContainerError, HEAD_BYTES, LONGEST_RECORD_BYTES};
 use super::scan;
-use super::table::{Definitions, Input, Place, Table, read_at, unpack_record};
+use super::table::{ChunkEntry, Definitions, Input, Table, read_at, unpack_record};
 
 /// An open file whose chunks can be read in any order.
 #[derive(Debug)]
@@ -51,7 +51,7 @@ impl Index {
 
     /// Numbers of the chunks that may contain messages with log times from `from_ns` to `to_ns`, in file order.
     pub(super) fn between(&self, from_ns: u64, to_ns: u64) -> impl Iterator<Item = usize> + '_ {
-        let overlaps = move |place: &Place| {
+        let overlaps = move |place: &ChunkEntry| {
             place.span_ns.is_some_and(|(first, last)| first <= to_ns && last >= from_ns)
         };
         self.table.chunks.iter().enumerate().filter(move |(_, p)| overlaps(p)).map(|(n, _)| n)
@@ -185,7 +185,7 @@ fn place(table: &mut Table, chunks: Vec<ChunkIndex>) {
         let (first, last) = (chunk.message_start_time, chunk.message_end_time);
         // A chunk without a message has two zero times and no message index.
         let empty = last == 0 && chunk.message_index_offsets.is_empty();
-        table.chunks.push(Place {
+        table.chunks.push(ChunkEntry {
             at: chunk.chunk_start_offset,
             length: chunk.chunk_length,
             span_ns: (!empty && first <= last).then_some((first, last)),

@@ -2,7 +2,7 @@
 //! beside them.
 //!
 //! A foreign flight passes `container` (records) → `survey` (contents) → `topics` (meaning of the messages) → `gather` (numbers)
-//! → `signals` (one clock, ENU and FLU) → `recorded` (ticks of the loop) → `film` (source of the loop). A long flight is judged
+//! → `signals` (one clock, ENU and FLU) → `recorded` (ticks of the loop) → `playback` (source of the loop). A long flight is judged
 //! by `stretches`, and then passes the same stages part by part, through an `index` of its file.
 
 mod idl;
@@ -36,11 +36,11 @@ mod table;
 mod scan;
 mod index;
 pub mod survey;
-mod kept;
-pub mod film;
-mod footage;
+mod recent_cache;
+pub mod playback;
+mod foreign_parts;
 pub mod stretches;
-mod own_footage;
+mod own_parts;
 pub mod opened;
 pub mod live;
 pub mod shadow;
@@ -49,12 +49,12 @@ pub mod divergence;
 mod divergence_report;
 
 pub use derivation::Derivation;
-pub use divergence::{Flyer, Miss, Shot, Twin};
+pub use divergence::{Flyer, PredictionError, Twin, TwinFlight};
 pub use divergence_report::{Light, Report as DivergenceReport};
 pub use effort::Effort;
-pub use film::RecordedSource;
 pub use live::Live;
 pub use opened::{OpenError, OpenedFlight};
+pub use playback::RecordedSource;
 pub use recorded::{MirrorError, RecordedFlight};
 pub use replayed::recorded_nominal_inertia;
 pub use shadow::{Shadow, ShadowReport, shadow};

@@ -7,10 +7,10 @@ use std::sync::Arc;
 
 use super::container::ContainerError;
 use super::effort::Effort;
-use super::film::Footage;
 use super::gather::gather_from;
 use super::index::Index;
-use super::own_footage::OwnFootage;
+use super::own_parts::OwnParts;
+use super::playback::PartReader;
 use super::recorded::{MirrorError, RecordedFlight, on_ticks};
 use super::replayed::replayed;
 use super::signals::{Signals, signals};
@@ -46,7 +46,7 @@ pub struct OpenedFlight {
     /// The flight; for a long flight only stretches of it.
     pub recorded: RecordedFlight,
     /// The whole of a long flight, which is read while it is played.
-    pub long: Option<Arc<dyn Footage>>,
+    pub long: Option<Arc<dyn PartReader>>,
 }
 
 /// Why a recording cannot be mirrored.
@@ -124,7 +124,7 @@ pub fn survey(path: &Path, map: Option<&str>) -> Result<(Survey, Map, String), O
 }
 
 /// A file that is read twice from its start to its end, with progress reports.
-struct Counted<'a> {
+struct ProgressReader<'a> {
     file: BufReader<File>,
     read: u64,
     told: u64,
@@ -132,7 +132,7 @@ struct Counted<'a> {
     on: &'a mut dyn FnMut(u64, u64),
 }
 
-impl<'a> Counted<'a> {
+impl<'a> ProgressReader<'a> {
     fn open(path: &Path, on: &'a mut dyn FnMut(u64, u64)) -> std::io::Result<Self> {
         let file = File::open(path)?;
         let of = 2 * file.metadata()?.len();
@@ -145,7 +145,7 @@ impl<'a> Counted<'a> {
     }
 }
 
-impl Read for Counted<'_> {
+impl Read for ProgressReader<'_> {
     fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
         let read = self.file.read(buffer)?;
         self.read += read as u64;
@@ -205,11 +205,12 @@ impl OpenedFlight {
         survey.mark(&map);
         let path = path.to_owned();
         if survey.has(TICK_TOPIC) {
-            let Some(footage) = OwnFootage::new(index) else { return Ok(None) };
+            let Some(parts) = OwnParts::new(index) else { return Ok(None) };
             let signals = Signals { notes: vec![AS_RECORDED.to_owned()], ..Signals::default() };
-            let recorded = footage.stretches();
-            survey.container = footage.findings().clone();
-            let (map_name, long) = ("twin".to_owned(), Some(Arc::new(footage) as Arc<dyn Footage>));
+            let recorded = parts.stretches();
+            survey.container = parts.findings().clone();
+            let (map_name, long) =
+                ("twin".to_owned(), Some(Arc::new(parts) as Arc<dyn PartReader>));
             return Ok(Some(Self { path, survey, map, map_name, signals, recorded, long }));
         }
         let topics = survey.topics(SHOWN_TOPICS);
@@ -217,7 +218,7 @@ impl OpenedFlight {
             Ok((judged, findings)) => {
                 survey.container = findings;
                 let (signals, recorded) = (judged.signals, judged.recorded);
-                let long = Some(Arc::new(judged.footage) as Arc<dyn Footage>);
+                let long = Some(Arc::new(judged.parts) as Arc<dyn PartReader>);
                 Ok(Some(Self { path, survey, map, map_name, signals, recorded, long }))
             }
             Err(why) => Err(OpenError::Mirror { path, why, topics }),
@@ -238,7 +239,7 @@ impl OpenedFlight {
         on: &mut dyn FnMut(u64, u64),
     ) -> Result<Self, OpenError> {
         let refused = |why| OpenError::Container { path: path.to_owned(), why };
-        let mut file = Counted::open(path, on).map_err(|why| refused(why.into()))?;
+        let mut file = ProgressReader::open(path, on).map_err(|why| refused(why.into()))?;
         let mut survey = Survey::read_from(&mut file).map_err(refused)?;
         let (map, map_name) = choose_map(map, survey.family)?;
         survey.mark(&map);

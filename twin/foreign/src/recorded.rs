@@ -28,7 +28,7 @@ pub(super) const ARM_ROWS: usize = 2;
 
 /// The recorded values at one tick; `None` is unknown.
 #[derive(Clone, Debug, Default)]
-pub struct Instant {
+pub struct RecordedTick {
     /// Value of each coordinate, m and rad.
     pub chi: [Option<f64>; N],
     /// Rate of each coordinate, m/s and rad/s.
@@ -45,7 +45,7 @@ pub struct RecordedFlight {
     /// Time of every tick, s from the first sample of the recording.
     pub times_s: Vec<f64>,
     /// Values at every tick.
-    pub instants: Vec<Instant>,
+    pub instants: Vec<RecordedTick>,
     /// Source of the applied force.
     pub effort: Effort,
     /// Mass in use, kg: as given; else the mass that fits the wrench; else 1.
@@ -124,7 +124,7 @@ pub(super) fn on_times(
 ) -> RecordedFlight {
     let settled = if let Reading::Part(settled) = reading { Some(settled) } else { None };
     let parts = !matches!(reading, Reading::Whole);
-    let mut instants = vec![Instant::default(); times_s.len()];
+    let mut instants = vec![RecordedTick::default(); times_s.len()];
     let eta = attitude(signals, &times_s);
     let (acceleration, of_translation) = translation(signals, &times_s, &eta, &mut instants, parts);
     let of_rotation = rotation(signals, &times_s, &eta, &mut instants);
@@ -188,10 +188,10 @@ fn per_attitude(
 }
 
 fn store<const D: usize>(
-    instants: &mut [Instant],
+    instants: &mut [RecordedTick],
     first_row: usize,
     values: &Ticks<D>,
-    of: impl Fn(&mut Instant) -> &mut [Option<f64>; N],
+    of: impl Fn(&mut RecordedTick) -> &mut [Option<f64>; N],
 ) {
     for (instant, value) in instants.iter_mut().zip(values) {
         for row in 0..D {
@@ -221,7 +221,7 @@ fn translation(
     signals: &Signals,
     times_s: &[f64],
     eta: &Ticks<3>,
-    instants: &mut [Instant],
+    instants: &mut [RecordedTick],
     parts: bool,
 ) -> (Ticks<3>, Derivation) {
     let Some(position) = &signals.position else {
@@ -259,7 +259,7 @@ fn rotation(
     signals: &Signals,
     times_s: &[f64],
     eta: &Ticks<3>,
-    instants: &mut [Instant],
+    instants: &mut [RecordedTick],
 ) -> Derivation {
     let measured: Option<Ticks<3>> = signals.body_rate.as_ref().map(|rate| {
         let one = |(t_s, eta): (&f64, &Option<Vector3<f64>>)| {
@@ -280,14 +280,14 @@ fn rotation(
 }
 
 /// Fills the coordinates q1 q2 for as many joints as there are; their torques are unknown.
-fn arm(signals: &Signals, times_s: &[f64], instants: &mut [Instant]) {
+fn arm(signals: &Signals, times_s: &[f64], instants: &mut [RecordedTick]) {
     let Some((names, series)) = &signals.joints else { return };
     let joints: Ticks<2> = times_s.iter().map(|t_s| series.cubic(*t_s)).collect();
     let (rate, acceleration) =
         (filtered(&slope(&joints), false), filtered(&curvature(&joints), true));
     let only = |values: &Ticks<2>,
-                instants: &mut [Instant],
-                of: fn(&mut Instant) -> &mut [Option<f64>; N]| {
+                instants: &mut [RecordedTick],
+                of: fn(&mut RecordedTick) -> &mut [Option<f64>; N]| {
         for (instant, value) in instants.iter_mut().zip(values) {
             for row in 0..names.len().min(ARM_ROWS) {
                 of(instant)[6 + row] = value.map(|v: Vector2<f64>| v[row]);

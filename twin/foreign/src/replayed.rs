@@ -5,8 +5,8 @@ use std::path::Path;
 use serde::{Deserialize, Deserializer};
 
 use super::effort::Effort;
-use super::recorded::{ARM_ROWS, Derivation, Instant, RecordedFlight};
-use twin_core::notation::{Coords, KnownCoords, N, ROWS};
+use super::recorded::{ARM_ROWS, Derivation, RecordedFlight, RecordedTick};
+use twin_core::notation::{COORDINATE_NAMES, Coords, KnownCoords, N};
 use twin_core::tick::Measurement;
 use twin_record::recording::{Recording, RecordingError, read_recording};
 
@@ -29,7 +29,7 @@ pub(super) fn replayed(path: &Path) -> Result<RecordedFlight, RecordingError> {
 /// A flight as it was recorded, under this `M_bar` and with these joints.
 pub(super) fn as_recorded(
     times_s: Vec<f64>,
-    instants: Vec<Instant>,
+    instants: Vec<RecordedTick>,
     airborne: Vec<bool>,
     nominal_inertia: Option<Coords>,
     joint_names: Vec<String>,
@@ -48,9 +48,9 @@ pub(super) fn as_recorded(
 }
 
 /// The tick that was measured; what is not a number is unknown in a `mirrored` flight and NaN in another.
-pub(super) fn instant(measurement: &Measurement, mirrored: bool) -> Instant {
+pub(super) fn instant(measurement: &Measurement, mirrored: bool) -> RecordedTick {
     let rows = |values: &KnownCoords| std::array::from_fn(|row| values.get(row));
-    Instant {
+    RecordedTick {
         chi: or_fault(rows(&measurement.chi), mirrored),
         chi_dot: or_fault(rows(&measurement.chi_dot), mirrored),
         chi_ddot: or_fault(rows(&measurement.chi_ddot), mirrored),
@@ -69,7 +69,7 @@ pub(super) struct Moved {
     /// Time, s.
     pub(super) t_s: f64,
     /// The tick; of a `mirrored` flight what is not a number is unknown, of another it is NaN.
-    pub(super) instant: Instant,
+    pub(super) instant: RecordedTick,
     /// The vehicle flew, as far as its source could tell.
     pub(super) airborne: bool,
 }
@@ -110,7 +110,7 @@ impl Moved {
         } else {
             serde_json::from_slice::<Text>(text)?
         };
-        let instant = Instant {
+        let instant = RecordedTick {
             chi: or_fault(read.chi, mirrored),
             chi_dot: or_fault(read.chi_dot, mirrored),
             chi_ddot: or_fault(read.chi_ddot, mirrored),
@@ -125,7 +125,9 @@ impl Moved {
 /// the names of their rows.
 pub(super) fn joint_names(told: Option<&str>) -> Vec<String> {
     let told = told.and_then(|names| serde_json::from_str(names).ok());
-    told.unwrap_or_else(|| ROWS[N - ARM_ROWS..].iter().map(|row| (*row).to_owned()).collect())
+    told.unwrap_or_else(|| {
+        COORDINATE_NAMES[N - ARM_ROWS..].iter().map(|row| (*row).to_owned()).collect()
+    })
 }
 
 /// `M_bar` of the gains that the recording says it was flown with, kg and kg m².
@@ -146,7 +148,7 @@ mod tests {
 
     #[test]
     fn what_is_read_of_the_text_alone_is_what_the_record_says_bit_for_bit() {
-        let bits = |instant: &Instant| {
+        let bits = |instant: &RecordedTick| {
             let all = [instant.chi, instant.chi_dot, instant.chi_ddot, instant.tau];
             all.map(|values| values.map(|value| value.map(f64::to_bits)))
         };

@@ -6,7 +6,7 @@ use std::io::{BufReader, Read, SeekFrom};
 use mcap::records::Record;
 
 use super::container::{CHUNK, DATA_END, FOOTER, Findings, HEAD_BYTES, LONGEST_RECORD_BYTES};
-use super::table::{Input, Place, Table, header as message, read_at, unpack_record};
+use super::table::{ChunkEntry, Input, Table, header as message, read_at, unpack_record};
 
 /// Opcodes that the scan distinguishes.
 const HEADER: u8 = 0x01;
@@ -142,12 +142,12 @@ impl Walk<'_> {
         let name = name.map_or("unknown", |name| if name.is_empty() { "none" } else { name });
         self.table.findings.compressions.insert(name.to_owned());
         let length = if whole { HEAD_BYTES as u64 + body } else { self.length - self.at };
-        self.table.chunks.push(Place {
+        self.table.chunks.push(ChunkEntry {
             at: self.at,
             length,
             span_ns,
             cut: !whole,
-            ..Place::default()
+            ..ChunkEntry::default()
         });
         Ok(head.len() as u64)
     }

@@ -10,9 +10,9 @@ use nalgebra::{Vector2, Vector3};
 use serde::Serialize;
 
 use super::shadow_score::{Score, Scored};
-use crate::film::{Cursor, Film};
+use crate::playback::{Cursor, Playback};
 use crate::{OpenedFlight, RecordedFlight, RecordedSource};
-use twin_core::control::{Adaptive, Allocation, Gains, Preset, Rotor, Rows};
+use twin_core::control::{Adaptive, Allocation, Gains, InnerController, Preset, Rotor};
 use twin_core::elementary::squared;
 use twin_core::filter::LowPass;
 use twin_core::flight::{Flight, Parts};
@@ -73,7 +73,7 @@ pub struct ShadowReport {
 /// A recorded flight that can be flown in shadow from any of its ticks.
 #[derive(Clone, Debug)]
 pub struct Shadow {
-    film: Arc<Film>,
+    playback: Arc<Playback>,
     nominal: Coords,
     scale: Coords,
     tuning: Tuning,
@@ -84,8 +84,8 @@ impl Shadow {
     pub fn of(opened: &OpenedFlight) -> Self {
         let inertia_kg_m2 = opened.map.vehicle.inertia_kg_m2;
         let whole = Self::new(&opened.recorded, inertia_kg_m2);
-        let Some(footage) = &opened.long else { return whole };
-        Self { film: Arc::new(Film::of(footage)), ..whole }
+        let Some(parts) = &opened.long else { return whole };
+        Self { playback: Arc::new(Playback::of(parts)), ..whole }
     }
 
     /// `inertia_kg_m2` about the body axes where it is known.
@@ -101,15 +101,15 @@ impl Shadow {
         gains.nominal_inertia = recorded.nominal_inertia.unwrap_or(gains.nominal_inertia);
         let mut nominal = Coords::zeros();
         nominal[2] = recorded.mass_kg * GRAVITY_M_S2;
-        let film = Arc::new(Film::whole(recorded));
-        let scale = scale(&film, &gains.nominal_inertia);
+        let playback = Arc::new(Playback::whole(recorded));
+        let scale = scale(&playback, &gains.nominal_inertia);
         let tuning = Tuning { gains, adapter: lra::Settings::default() };
-        Self { film, nominal, scale, tuning }
+        Self { playback, nominal, scale, tuning }
     }
 
     /// Ticks of the recording.
     pub fn ticks(&self) -> usize {
-        self.film.ticks()
+        self.playback.ticks()
     }
 
     /// The values in force at the start.
@@ -123,13 +123,13 @@ impl Shadow {
     }
 
     /// The recording, tick by tick.
-    pub fn film(&self) -> &Arc<Film> {
-        &self.film
+    pub fn playback(&self) -> &Arc<Playback> {
+        &self.playback
     }
 
     /// The flight from tick `first` on; `None` beyond the end.
     pub fn flight(&self, first: usize, tuning: &Tuning) -> Option<Flight> {
-        let source = RecordedSource::new(&self.film, first)?;
+        let source = RecordedSource::new(&self.playback, first)?;
         Some(Flight::starting_at(self.parts(source, first, tuning), first as u64))
     }
 
@@ -139,7 +139,7 @@ impl Shadow {
         let adapter = lra::Adapter::new(predictor.regime_len(), self.scale, &tuning.adapter);
         // Nothing is commanded, so any rotor will do.
         let rotor = Rotor { position_in_body: Vector3::x(), torque_per_thrust_m: 0.01 };
-        let rows = Rows::new(
+        let inner = InnerController::new(
             Allocation::new(&[rotor; 4], 0.0, f64::MAX),
             Vector3::repeat(1.0),
             Vector2::zeros(),
@@ -151,7 +151,7 @@ impl Shadow {
             predictor: Box::new(predictor),
             adapter,
             controller: Box::new(Adaptive::default()),
-            rows,
+            inner,
             task: Box::new(Watch::new(self, first)),
             gravity: Box::new(move |_| nominal),
             setpoint: Setpoint {
@@ -217,10 +217,10 @@ impl Shadow {
 }
 
 /// Standard deviation of the residual per row over the flight: the unit of the adapter's innovation.
-fn scale(film: &Arc<Film>, nominal_inertia: &Coords) -> Coords {
-    let mut cursor = Cursor::new(film);
+fn scale(playback: &Arc<Playback>, nominal_inertia: &Coords) -> Coords {
+    let mut cursor = Cursor::new(playback);
     let mut residuals: [Vec<f64>; N] = Default::default();
-    for tick in 0..film.ticks() {
+    for tick in 0..playback.ticks() {
         let Some(measurement) = cursor.frame(tick) else { continue };
         let residual = label::residual(measurement, nominal_inertia);
         for (row, values) in residuals.iter_mut().enumerate() {
@@ -259,9 +259,9 @@ struct Start {
 
 impl Watch {
     fn new(shadow: &Shadow, first: usize) -> Self {
-        let film = &shadow.film;
+        let playback = &shadow.playback;
         Self {
-            ticks: (!film.is_live()).then(|| film.ticks()),
+            ticks: (!playback.is_live()).then(|| playback.ticks()),
             next: first,
             nominal_residual: shadow.nominal,
             nominal_inertia: shadow.tuning.gains.nominal_inertia,

@@ -8,7 +8,7 @@ use std::collections::VecDeque;
 use serde::Serialize;
 
 use twin_core::elementary::squared;
-use twin_core::notation::{Coords, KnownRows, N, ROWS, known_in_both};
+use twin_core::notation::{COORDINATE_NAMES, Coords, KnownMask, N, known_in_both};
 use twin_core::residual::HORIZON;
 use twin_core::tick::Tick;
 
@@ -78,7 +78,7 @@ struct Pending {
     correction: Coords,
     base: Vec<Coords>,
     persistence: Coords,
-    known: KnownRows,
+    known: KnownMask,
 }
 
 /// Collects tick by tick.
@@ -90,7 +90,7 @@ pub(super) struct Score {
     squares: [[f64; 2]; HORIZON + 1],
     samples: [usize; HORIZON + 1],
     pending: VecDeque<Pending>,
-    last: Option<(Coords, KnownRows)>,
+    last: Option<(Coords, KnownMask)>,
 }
 
 impl Score {
@@ -154,7 +154,7 @@ impl Score {
             let sum = self.rows[row];
             let mean = sum.total / sum.count.max(1.0);
             RowReport {
-                row: ROWS[row],
+                row: COORDINATE_NAMES[row],
                 coordinate_known: self.coordinates[row] as f64 / ticks,
                 residual_known: sum.count / ticks,
                 residual: (sum.count > 0.0).then(|| ResidualReport {
@@ -182,5 +182,5 @@ impl Score {
 
 /// Unit of a row's residual.
 fn unit(row: usize) -> &'static str {
-    if matches!(ROWS[row], "x" | "y" | "z") { "N" } else { "N m" }
+    if matches!(COORDINATE_NAMES[row], "x" | "y" | "z") { "N" } else { "N m" }
 }

@@ -3,8 +3,8 @@
 
 use super::container::Findings;
 use super::effort::Settled;
-use super::footage::ForeignFootage;
-use super::gather::{Collector, Gathered};
+use super::foreign_parts::ForeignParts;
+use super::gather::{Gathered, MessageDecoder};
 use super::index::Index;
 use super::recorded::{MirrorError, Reading, RecordedFlight, on_times, tick_count};
 use super::signals::{Signals, signals_of};
@@ -23,13 +23,13 @@ pub(super) const STRETCH_S: f64 = 8.0;
 const NS: f64 = 1e9;
 
 /// A long flight of another program: the results of its stretches, and access to the whole flight.
-pub(super) struct Judged {
+pub(super) struct JudgedFlight {
     /// Sources in use and the samples of the stretches.
     pub signals: Signals,
     /// The stretches on ticks.
     pub recorded: RecordedFlight,
     /// Access to the whole flight.
-    pub footage: ForeignFootage,
+    pub parts: ForeignParts,
 }
 
 /// First and last time of each stretch between two times, ns.
@@ -44,7 +44,7 @@ fn stretches(from_ns: u64, to_ns: u64) -> Vec<(u64, u64)> {
 
 /// Reads the messages of the stretches that `map` asks for.
 fn gather(index: &mut Index, map: &Map, stretches: &[(u64, u64)]) -> Gathered {
-    let mut collector = Collector::new(map, None);
+    let mut collector = MessageDecoder::new(map, None);
     let mut problems = Vec::new();
     index.table.definitions.records(&mut |record| collector.take(record));
     let mut numbers: Vec<usize> =
@@ -72,7 +72,7 @@ fn gather(index: &mut Index, map: &Map, stretches: &[(u64, u64)]) -> Gathered {
 ///
 /// # Errors
 /// [`MirrorError`] if the stretches contain no pose.
-pub(super) fn judge(mut index: Index, map: &Map) -> Result<(Judged, Findings), MirrorError> {
+pub(super) fn judge(mut index: Index, map: &Map) -> Result<(JudgedFlight, Findings), MirrorError> {
     let (from_ns, to_ns) = index.span_ns().ok_or(MirrorError::NoPose)?;
     let stretches = stretches(from_ns, to_ns);
     let gathered = gather(&mut index, map, &stretches);
@@ -100,8 +100,8 @@ pub(super) fn judge(mut index: Index, map: &Map) -> Result<(Judged, Findings), M
         end_s - start_s
     ));
     let findings = index.table.findings.clone();
-    let footage = ForeignFootage::new(index, map, signals.clone(), settled, (start_s, ticks));
-    Ok((Judged { signals, recorded, footage }, findings))
+    let parts = ForeignParts::new(index, map, signals.clone(), settled, (start_s, ticks));
+    Ok((JudgedFlight { signals, recorded, parts }, findings))
 }
 
 /// First and last time of the flight, s: those of its pose, if the first and the last stretch contain one.

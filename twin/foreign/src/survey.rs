@@ -60,14 +60,14 @@ pub struct Survey {
 const NS: f64 = 1e-9;
 
 #[derive(Default)]
-struct Collector {
+struct MessageCounter {
     schemas: BTreeMap<u16, (String, String)>,
     definitions: BTreeMap<String, BTreeSet<Vec<u8>>>,
     channels: BTreeMap<u16, (ChannelInfo, Option<u64>)>,
     orphans: u64,
 }
 
-impl Collector {
+impl MessageCounter {
     fn take(&mut self, record: Record<'_>) {
         match record {
             Record::Schema { header, data } => {
@@ -125,7 +125,7 @@ impl Survey {
     /// # Errors
     /// [`ContainerError`] if the input cannot be read.
     pub fn read_from(input: &mut impl Read) -> Result<Self, ContainerError> {
-        let mut collector = Collector::default();
+        let mut collector = MessageCounter::default();
         let container = container::read(input, &mut |record| collector.take(record))?;
         Ok(Self::new(container, collector))
     }
@@ -144,7 +144,7 @@ impl Survey {
         (first_ns, last_ns): (u64, u64),
         findings: Findings,
     ) -> Self {
-        let mut collector = Collector::default();
+        let mut collector = MessageCounter::default();
         definitions.records(&mut |record| collector.take(record));
         for (number, (info, _)) in &mut collector.channels {
             info.messages = counts.get(number).copied().unwrap_or(0);
@@ -154,7 +154,7 @@ impl Survey {
         Self::new(findings, collector)
     }
 
-    fn new(mut container: Findings, collector: Collector) -> Self {
+    fn new(mut container: Findings, collector: MessageCounter) -> Self {
         if collector.orphans > 0 {
             let text = format!("{} messages belong to no known channel", collector.orphans);
             container.problem(text);

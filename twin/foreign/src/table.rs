@@ -15,7 +15,7 @@ impl<T: Read + Seek + Debug + Send> Input for T {}
 
 /// Position and content of one chunk.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Place {
+pub(super) struct ChunkEntry {
     /// Offset of the first byte of its record.
     pub(super) at: u64,
     /// Length of its record with the head, bytes.
@@ -68,7 +68,7 @@ impl Definitions {
 #[derive(Debug, Default)]
 pub(super) struct Table {
     /// Chunks in file order.
-    pub(super) chunks: Vec<Place>,
+    pub(super) chunks: Vec<ChunkEntry>,
     /// Schemas and channels.
     pub(super) definitions: Definitions,
     /// Message counts per channel.
@@ -82,7 +82,7 @@ pub(super) struct Table {
 /// Passes on the records inside the record of a chunk.
 pub(super) fn unpack_record(
     record: &[u8],
-    place: &Place,
+    place: &ChunkEntry,
     on: &mut dyn FnMut(Record<'_>),
 ) -> Result<(), String> {
     if record.first() != Some(&CHUNK) {

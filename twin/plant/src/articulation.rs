@@ -3,11 +3,11 @@
 //! The root body's frame sits at its centre of mass (Rapier integrates the root's origin with the velocity of its centre of
 //! mass); every other body's frame is its link frame.
 
-use nalgebra::{DMatrix, Isometry3, Matrix3, Vector3};
+use nalgebra::{DMatrix, Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 use rapier3d_f64::prelude::*;
 
 use super::PlantError;
-use super::convert::{from_pose, rotation_matrix, to_pose, to_vector};
+use super::convert::{from_pose, rotation_matrix, to_pose, to_rotation, to_vector};
 use crate::model::{Geometry, Inertial, JointKind, Robot, Shape};
 
 /// Largest relative difference between the tensor of the URDF and the tensor that Rapier stores; both are f64.
@@ -343,13 +343,22 @@ pub(super) fn lumped_inertial(
     Inertial { mass_kg, com_in_link, inertia_in_link }
 }
 
+/// `inertial` as Rapier takes it: along the principal axes. Rapier's own way from a tensor to its axes calls the system's `acos` and
+/// `cos`, which differ between platforms.
 pub(super) fn mass_properties(inertial: &Inertial) -> MassProperties {
-    let i = inertial.inertia_in_link;
-    let column = |k: usize| to_vector(&i.column(k).into_owned());
-    MassProperties::with_inertia_matrix(
+    let eigen = inertial.inertia_in_link.symmetric_eigen();
+    let (mut moments, mut axes) = (eigen.eigenvalues, eigen.eigenvectors);
+    if axes.determinant() < 0.0 {
+        axes.swap_columns(1, 2);
+        moments.swap_rows(1, 2);
+    }
+    let link_from_axes =
+        UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes));
+    MassProperties::with_principal_inertia_frame(
         to_vector(&inertial.com_in_link),
         inertial.mass_kg,
-        Matrix::from_cols(column(0), column(1), column(2)),
+        to_vector(&moments.map(|moment| moment.max(0.0))),
+        to_rotation(&link_from_axes),
     )
 }
 

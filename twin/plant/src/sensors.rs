@@ -15,7 +15,7 @@ use twin_core::tick::PayloadReading;
 
 /// The true state that the sensors measure.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct State {
+pub(super) struct KinematicState {
     pub(super) rotation: Matrix3<f64>,
     pub(super) position: Vector3<f64>,
     pub(super) velocity: Vector3<f64>,
@@ -108,7 +108,7 @@ impl Sensors {
     /// noise and bias are added.
     pub(super) fn imu(
         &mut self,
-        state: &State,
+        state: &KinematicState,
         rotor_speed_rad_s: &PerRotor,
         hover_speed_rad_s: f64,
     ) -> Imu {
@@ -143,7 +143,7 @@ impl Sensors {
     }
 
     /// The motion-capture sample that arrives in this step, if one does. The caller calls this once a step.
-    pub(super) fn mocap(&mut self, state: &State) -> Option<Mocap> {
+    pub(super) fn mocap(&mut self, state: &KinematicState) -> Option<Mocap> {
         let s = self.settings;
         self.step += 1;
         self.mocap_phase += s.mocap_hz * self.dt_s;
@@ -163,7 +163,7 @@ impl Sensors {
         }
     }
 
-    fn sample_mocap(&mut self, state: &State, age_steps: usize) -> Mocap {
+    fn sample_mocap(&mut self, state: &KinematicState, age_steps: usize) -> Mocap {
         let s = self.settings;
         let mut noise = |std: f64| Vector3::from_fn(|_, _| std * normal(&mut self.rng));
         let tilt = nalgebra::Rotation3::new(noise(s.mocap_noise_rad));
@@ -176,7 +176,10 @@ impl Sensors {
     }
 
     /// Quantised joint angles, rad; quantised rates, rad/s, which stay the same between two readings; and whether the rates are new.
-    pub(super) fn encoders(&mut self, state: &State) -> (Vector2<f64>, Vector2<f64>, bool) {
+    pub(super) fn encoders(
+        &mut self,
+        state: &KinematicState,
+    ) -> (Vector2<f64>, Vector2<f64>, bool) {
         let s = self.settings;
         let quantise = |x: f64, step: f64| (x / step).round() * step;
         let angle_step = std::f64::consts::TAU / s.encoder_counts;

@@ -27,7 +27,7 @@ pub struct Start {
 }
 
 /// Rapier's world with everything that was inserted into it.
-pub(super) struct Rig {
+pub(super) struct BuiltWorld {
     pub(super) world: PhysicsWorld,
     pub(super) articulation: Articulation,
     /// Degrees of freedom of the arm.
@@ -43,7 +43,7 @@ pub(super) fn rig(
     settings: &PlantSettings,
     start: &Start,
     rng: &mut Pcg64,
-) -> Result<Rig, PlantError> {
+) -> Result<BuiltWorld, PlantError> {
     let vehicle = &settings.vehicle;
     let mut world = new_world(&settings.contact);
     let root = Isometry3::from_parts(start.position.into(), UnitQuaternion::identity());
@@ -58,7 +58,7 @@ pub(super) fn rig(
     articulation.set_joint_positions(&mut world, &positions);
     let pose = payload_pose(settings, start, rng);
     let arena = Arena::build(&mut world, &settings.arena, objects, &settings.payload, &pose)?;
-    Ok(Rig { world, articulation, arm, gripper, arena })
+    Ok(BuiltWorld { world, articulation, arm, gripper, arena })
 }
 
 /// An empty world of Rapier with the measured contact settings: stiff contacts, no recycling, gravity along -z.

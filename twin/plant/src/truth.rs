@@ -6,7 +6,7 @@ use rapier3d_f64::prelude::*;
 use super::STEP_S;
 use super::convert::{from_pose, from_vector, view_pose};
 use super::estimator::stack;
-use super::sensors::State;
+use super::sensors::KinematicState;
 use super::vehicle::SimulatedVehicle;
 use twin_core::elementary::acos;
 use twin_core::notation::{Coords, euler_from_rotation, euler_rate_from_body_rate, wrap_angle};
@@ -56,7 +56,7 @@ pub(super) fn truth(vehicle: &SimulatedVehicle) -> Truth {
 }
 
 /// True coordinates and their rates; yaw lies in (-π, π].
-fn true_coordinates(state: &State) -> (Coords, Coords) {
+fn true_coordinates(state: &KinematicState) -> (Coords, Coords) {
     let mut eta = euler_from_rotation(&state.rotation);
     // The sum turns a yaw of -0.0 into 0.0; the two hash differently.
     eta.z = 0.0 + wrap_angle(eta.z);

@@ -11,8 +11,8 @@ use super::convert::{from_vector, rotation_matrix, to_vector};
 use super::estimator::{Estimator, stack};
 use super::gripper::Gripper;
 use super::rotors::{Delay, Rotors};
-use super::sensors::{Sensors, State};
-use super::setup::{Rig, Start, rig};
+use super::sensors::{KinematicState, Sensors};
+use super::setup::{BuiltWorld, Start, rig};
 use super::wind::Wind;
 use super::{Articulation, PlantError, PlantSettings, STEP_S};
 use crate::model::{Robot, Statics};
@@ -83,7 +83,7 @@ impl SimulatedVehicle {
             return Err(PlantError::Rotors { found: vehicle.rotors.len(), max: MAX_ROTORS });
         }
         let mut rng = Pcg64::seed_from_u64(seed);
-        let Rig { world, articulation, arm, gripper, arena } =
+        let BuiltWorld { world, articulation, arm, gripper, arena } =
             rig(&robot, objects, &settings, start, &mut rng)?;
         let arm_joints: Vec<usize> = arm.iter().map(|dof| articulation.dofs[*dof].joint).collect();
         let payload_kg = if start.grasped.is_some() { settings.payload.mass_kg } else { 0.0 };
@@ -134,7 +134,7 @@ impl SimulatedVehicle {
     }
 
     /// The true state as the sensors see it.
-    pub(super) fn state(&self) -> State {
+    pub(super) fn state(&self) -> KinematicState {
         let root = self.articulation.link_pose(&self.world, self.robot.root);
         let rotation = *root.rotation.to_rotation_matrix().matrix();
         let body = self.world.bodies.get(self.articulation.bodies[0].handle);
@@ -156,7 +156,7 @@ impl SimulatedVehicle {
                     yaw_rad: atan2(r[(1, 0)], r[(0, 0)]),
                 }
             });
-        State {
+        KinematicState {
             rotation,
             position,
             velocity: com_velocity + omega_world.cross(&(position - com)),
@@ -168,7 +168,7 @@ impl SimulatedVehicle {
     }
 
     /// One 1 ms step of the world under the command in force.
-    pub(super) fn step_world(&mut self, state: &State, setpoint: &Setpoint) {
+    pub(super) fn step_world(&mut self, state: &KinematicState, setpoint: &Setpoint) {
         let t_s = self.step as f64 * STEP_S;
         let wind = self.wind.step(t_s, state.velocity.norm(), STEP_S, &mut self.rng);
         self.wind_now = wind + self.failures.gust;
@@ -237,7 +237,7 @@ impl SimulatedVehicle {
     }
 
     /// Sensors, estimator and the filter pair `H` after a step.
-    pub(super) fn sense(&mut self, state: &State) -> (Coords, Coords) {
+    pub(super) fn sense(&mut self, state: &KinematicState) -> (Coords, Coords) {
         let speeds = std::array::from_fn(|i| self.rotors.speed_rad_s(i));
         let imu = self.sensors.imu(state, &speeds, self.hover_speed_rad_s);
         self.estimator.predict(&imu);

@@ -7,6 +7,7 @@ use mcap::records::Record;
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 use crate::lossless;
+use crate::recording_info::MIRRORED;
 use twin_core::tick::Tick;
 
 /// Topic of the whole tick.
@@ -20,9 +21,6 @@ pub const METADATA_START: &str = "twin";
 
 /// Name of the metadata record that is written when the flight ends; a run that was killed has none.
 pub const METADATA_END: &str = "twin.end";
-
-/// Key in the metadata of a mirrored flight. The unknown numbers of such a recording are written as `null`.
-pub const MIRRORED: &str = "mirrored";
 
 /// Longest record and chunk that is read: a hundred times as long as the recorder's own.
 const LONGEST_RECORD_BYTES: usize = 256 << 20;

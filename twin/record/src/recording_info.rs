@@ -1,10 +1,14 @@
 //! The metadata of a recording, at its start and at its end.
 
+#[cfg(feature = "files")]
 use std::collections::BTreeMap;
 
+#[cfg(feature = "files")]
 use crate::program;
-use crate::recording::MIRRORED;
 use crate::scene::Scene;
+
+/// Key in the metadata of a mirrored flight. The unknown numbers of such a recording are written as `null`.
+pub const MIRRORED: &str = "mirrored";
 
 /// The metadata that is written at the start of a flight.
 #[derive(Clone, Debug)]
@@ -42,6 +46,7 @@ pub struct RecordingEnd {
     pub verdict: String,
 }
 
+#[cfg(feature = "files")]
 impl RecordingInfo {
     /// The metadata written at the start.
     pub(super) fn metadata(&self) -> BTreeMap<String, String> {

@@ -41,7 +41,7 @@ pub enum AcceptanceError {
 
 /// One flight of the acceptance.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
-pub struct Flown {
+pub struct GateFlight {
     /// Scenario.
     pub scenario: String,
     /// Mean over rows of the base forecast's R², a priori.
@@ -60,7 +60,11 @@ pub struct Flown {
 ///
 /// # Errors
 /// [`AcceptanceError`] if the scenario or the weights cannot be flown.
-pub fn fly(scenario: &Path, file: &Path, overrides: &[String]) -> Result<Flown, AcceptanceError> {
+pub fn fly(
+    scenario: &Path,
+    file: &Path,
+    overrides: &[String],
+) -> Result<GateFlight, AcceptanceError> {
     // Relative to where the command runs, not to the scenario.
     let path = std::path::absolute(file).map_err(|error| unusable(file, &error))?;
     let mut all = vec![
@@ -81,12 +85,12 @@ pub fn fly(scenario: &Path, file: &Path, overrides: &[String]) -> Result<Flown, 
         score.add(&tick);
         if let Some((verdict, reason)) = judge.watch(&tick) {
             let (r2, r2_rows) = (score.mean(), score.rows());
-            return Ok(Flown { scenario: scenario.name, r2, r2_rows, verdict, reason, score });
+            return Ok(GateFlight { scenario: scenario.name, r2, r2_rows, verdict, reason, score });
         }
     }
 }
 
-impl Flown {
+impl GateFlight {
     /// What the head says of this flight: a flight that was not completed proves nothing.
     pub fn figure(&self) -> Option<f64> {
         (self.verdict == Verdict::Completed && self.r2.is_finite()).then_some(self.r2)
@@ -94,7 +98,7 @@ impl Flown {
 }
 
 /// R² over all ticks of `flights` together, mean over rows and per row; `None` unless every flight was completed.
-pub fn together(flights: &[Flown]) -> Option<(f64, [f64; N])> {
+pub fn together(flights: &[GateFlight]) -> Option<(f64, [f64; N])> {
     let complete = !flights.is_empty() && flights.iter().all(|flown| flown.figure().is_some());
     let score = flights.iter().fold(Score::default(), |sum, flown| sum.and(&flown.score));
     complete.then(|| (score.mean(), score.rows()))

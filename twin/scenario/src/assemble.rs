@@ -11,18 +11,18 @@ use super::settings::{
 };
 use super::{BuildError, Scenario, failures, trained};
 use twin_core::control::{
-    Adaptive, Allocation, Controller, Excited, Gains, L1, L1Settings, Multisine, Pid, Preset,
-    Rotor, Rows,
+    Adaptive, Allocation, Controller, Excited, Gains, InnerController, L1, L1Settings, Multisine,
+    Pid, Preset, Rotor,
 };
 use twin_core::flight::Parts;
 use twin_core::notation::{Coords, GRAVITY_M_S2};
 use twin_core::residual::{
-    Bias, Gravity, GravityModel, None as NoPrediction, Persistence, Predictor, PredictorInfo,
-    RandomFeatures, lra,
+    Bias, Gravity, GravityModel, Persistence, Predictor, PredictorInfo, RandomFeatures,
+    ZeroPredictor, lra,
 };
 use twin_core::task::path::Curve;
 use twin_core::task::{
-    Excitation, FollowPath, Hover, Mission, PickPlace, Region, Task, ToolKinematics,
+    Excitation, FollowPath, Hover, PickPlace, PickPlacePlan, Region, Task, ToolKinematics,
 };
 use twin_core::tick::{GripperCommand, Setpoint};
 use twin_core::tuning::{Tuning, TuningError};
@@ -92,7 +92,7 @@ pub(super) fn parts(scenario: &Scenario) -> Result<Parts, BuildError> {
     let adapter = lra::Adapter::new(predictor.regime_len(), scale, &tuning.adapter);
     let weight_n = robot.total_mass_kg() * GRAVITY_M_S2;
     let setpoint = first_setpoint(&tuning.gains, &start, weight_n);
-    let rows = rows(settings, &robot, &arm_joints)?;
+    let inner = inner_controller(settings, &robot, &arm_joints)?;
     let controller = controller(settings);
     let (mut schedule, triggers) = failures::schedule(settings)?;
     schedule.extend(settings.disturbances.iter().map(|d| (d.at_s, d.disturbance.clone())));
@@ -104,7 +104,7 @@ pub(super) fn parts(scenario: &Scenario) -> Result<Parts, BuildError> {
         predictor,
         adapter,
         controller,
-        rows,
+        inner,
         task,
         gravity,
         tuning,
@@ -190,7 +190,7 @@ fn predictor(
     let settings = &scenario.settings;
     Ok(match settings.predictor.kind {
         PredictorKind::Fdt | PredictorKind::Trained => trained::predictor(scenario, tuning)?,
-        PredictorKind::None => Box::new(NoPrediction),
+        PredictorKind::None => Box::new(ZeroPredictor),
         PredictorKind::Gravity => Box::new(Gravity::new(gravity())),
         PredictorKind::Persistence => Box::new(Persistence),
         PredictorKind::Bias => Box::new(Bias::new(gravity())),
@@ -243,7 +243,9 @@ pub(super) fn tuning(settings: &Settings) -> Result<Tuning, TuningError> {
         tuning.gains.inner_law = law;
     }
     for (stem, values) in [("slope", gains.slope), ("damping", gains.damping)] {
-        for (row, value) in twin_core::notation::ROWS.iter().zip(values.iter().flatten()) {
+        for (row, value) in
+            twin_core::notation::COORDINATE_NAMES.iter().zip(values.iter().flatten())
+        {
             tuning.set(&format!("{stem}.{row}"), *value)?;
         }
     }
@@ -253,7 +255,11 @@ pub(super) fn tuning(settings: &Settings) -> Result<Tuning, TuningError> {
     Ok(tuning)
 }
 
-fn rows(settings: &Settings, robot: &Robot, arm_joints: &[usize]) -> Result<Rows, BuildError> {
+fn inner_controller(
+    settings: &Settings,
+    robot: &Robot,
+    arm_joints: &[usize],
+) -> Result<InnerController, BuildError> {
     let rotor = &settings.vehicle.rotor;
     let rotors: Vec<Rotor> = settings
         .vehicle
@@ -269,7 +275,7 @@ fn rows(settings: &Settings, robot: &Robot, arm_joints: &[usize]) -> Result<Rows
         return Err(BuildError::Unfit { key: "vehicle.rotor.min_thrust_n", reason });
     }
     let limit = |row: usize| arm_joints.get(row).map_or(0.0, |joint| robot.joints[*joint].effort);
-    Ok(Rows::new(
+    Ok(InnerController::new(
         Allocation::new(&rotors, rotor.min_thrust_n, rotor.max_thrust_n),
         Vector3::from(settings.controller.attitude_inertia_kg_m2),
         Vector2::new(limit(0), limit(1)),
@@ -355,7 +361,7 @@ fn task(settings: &Settings, arm: Arm) -> Box<dyn Task> {
             gripper,
         )),
         TaskKind::PickPlace => {
-            let mission = Mission {
+            let mission = PickPlacePlan {
                 start: position,
                 path: curve(&task.path),
                 speed_m_s: task.speed_m_s,

@@ -7,7 +7,7 @@ use toml::{Spanned, Value};
 
 /// The place where a value was written; lines count from 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Place {
+pub(super) enum Origin {
     /// A line of the defaults.
     Default(u32),
     /// A line of the scenario.
@@ -19,7 +19,7 @@ pub(super) enum Place {
 /// One value and its place.
 #[derive(Clone, Debug)]
 pub(super) struct Entry {
-    pub(super) place: Place,
+    pub(super) place: Origin,
     pub(super) node: Node,
 }
 
@@ -37,14 +37,14 @@ pub(super) enum Node {
 
 impl Entry {
     /// The tree of `text`. The error is the line and the message of the first syntax error.
-    pub(super) fn parse(text: &str, place: fn(u32) -> Place) -> Result<Self, (u32, String)> {
+    pub(super) fn parse(text: &str, place: fn(u32) -> Origin) -> Result<Self, (u32, String)> {
         let at = |offset: usize| {
             let before = text.as_bytes().iter().take(offset);
             place(1 + before.filter(|byte| **byte == b'\n').count() as u32)
         };
         let line = |offset| match at(offset) {
-            Place::Default(line) | Place::File(line) => line,
-            Place::Override(_) => 1,
+            Origin::Default(line) | Origin::File(line) => line,
+            Origin::Override(_) => 1,
         };
         let table = DeTable::parse(text).map_err(|error| {
             let offset = error.span().map_or(0, |span| span.start);
@@ -56,14 +56,14 @@ impl Entry {
     }
 
     /// The value in `text`; text that is not TOML becomes a string.
-    pub(super) fn parse_value(text: &str, place: Place) -> Self {
+    pub(super) fn parse_value(text: &str, place: Origin) -> Self {
         let parsed = DeValue::parse(text).ok();
         let node = parsed.and_then(|value| Node::from_toml(value.get_ref(), 0, &|_| place).ok());
         Entry { place, node: node.unwrap_or_else(|| Node::Text(text.to_owned())) }
     }
 
     /// A tree with `leaf` inside tables named `segments`.
-    pub(super) fn nested(segments: &[&str], leaf: Entry, place: Place) -> Self {
+    pub(super) fn nested(segments: &[&str], leaf: Entry, place: Origin) -> Self {
         segments.iter().rev().fold(leaf, |inner, segment| Entry {
             place,
             node: Node::Table(BTreeMap::from([((*segment).to_owned(), inner)])),
@@ -71,7 +71,7 @@ impl Entry {
     }
 
     /// Place of the deepest entry on the way to `path`.
-    pub(super) fn place_of(&self, path: &[String]) -> Place {
+    pub(super) fn place_of(&self, path: &[String]) -> Origin {
         let Some((first, rest)) = path.split_first() else { return self.place };
         self.child(first).map_or(self.place, |child| child.place_of(rest))
     }
@@ -109,7 +109,7 @@ impl Entry {
 }
 
 impl Node {
-    fn table(table: &DeTable<'_>, at: &impl Fn(usize) -> Place) -> Result<Node, (usize, String)> {
+    fn table(table: &DeTable<'_>, at: &impl Fn(usize) -> Origin) -> Result<Node, (usize, String)> {
         let mut entries = BTreeMap::new();
         for (key, value) in table {
             let node = Node::from_toml(value.get_ref(), value.span().start, at)?;
@@ -122,7 +122,7 @@ impl Node {
 
     fn list(
         items: &[Spanned<DeValue<'_>>],
-        at: &impl Fn(usize) -> Place,
+        at: &impl Fn(usize) -> Origin,
     ) -> Result<Node, (usize, String)> {
         let entry = |item: &Spanned<DeValue<'_>>| {
             let start = item.span().start;
@@ -134,7 +134,7 @@ impl Node {
     fn from_toml(
         value: &DeValue<'_>,
         start: usize,
-        at: &impl Fn(usize) -> Place,
+        at: &impl Fn(usize) -> Origin,
     ) -> Result<Node, (usize, String)> {
         let refused = |found: &str, allowed: &str| (start, format!("{found} is not {allowed}"));
         match value {

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
 
-use super::document::{Entry, Place, dotted};
+use super::document::{Entry, Origin, dotted};
 use super::merge::{Finding, Schema};
 
 /// Most segments of an override's key; scenarios nest half as deep.
@@ -129,7 +129,7 @@ fn parse_override(text: &str, index: usize) -> Result<Entry, ScenarioError> {
     if segments.len() > MAX_SEGMENTS || segments.iter().any(|segment| segment.is_empty()) {
         return Err(refused());
     }
-    let place = Place::Override(index);
+    let place = Origin::Override(index);
     Ok(Entry::nested(&segments, Entry::parse_value(value.trim(), place), place))
 }
 
@@ -142,9 +142,9 @@ struct Names<'a> {
 impl Names<'_> {
     /// The tree of `text` over that of `defaults`, under the overrides.
     fn merged(&self, text: &str, defaults: &str) -> Result<Entry, ScenarioError> {
-        let mut merged = self.parse(defaults, Place::Default)?;
+        let mut merged = self.parse(defaults, Origin::Default)?;
         let schema = Schema::new(&mut merged);
-        let given = self.parse(text, Place::File)?;
+        let given = self.parse(text, Origin::File)?;
         merged.merge(given, &schema).map_err(|finding| self.describe(finding))?;
         for (index, text) in self.overrides.iter().enumerate() {
             let entry = parse_override(text, index)?;
@@ -164,16 +164,16 @@ impl Names<'_> {
         })
     }
 
-    fn parse(&self, text: &str, place: fn(u32) -> Place) -> Result<Entry, ScenarioError> {
+    fn parse(&self, text: &str, place: fn(u32) -> Origin) -> Result<Entry, ScenarioError> {
         Entry::parse(text, place)
             .map_err(|(line, found)| ScenarioError::Syntax { place: self.name(place(line)), found })
     }
 
-    fn name(&self, place: Place) -> String {
+    fn name(&self, place: Origin) -> String {
         match place {
-            Place::Default(line) => format!("defaults.toml:{line}"),
-            Place::File(line) => format!("{}:{line}", self.file.display()),
-            Place::Override(index) => {
+            Origin::Default(line) => format!("defaults.toml:{line}"),
+            Origin::File(line) => format!("{}:{line}", self.file.display()),
+            Origin::Override(index) => {
                 format!("--set {:?}", self.overrides.get(index).map_or("", String::as_str))
             }
         }

@@ -9,7 +9,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::checks::{Broken, CheckError, signal, signal_names};
+use super::checks::{CheckError, Violation, signal, signal_names};
 use twin_core::notation::TICK_S;
 use twin_core::tick::Tick;
 
@@ -97,7 +97,7 @@ pub(super) struct GoldenCheck {
     rows: Vec<(f64, Vec<f64>)>,
     next: usize,
     last_s: f64,
-    divergence: Option<Broken>,
+    divergence: Option<Violation>,
 }
 
 impl GoldenCheck {
@@ -138,7 +138,7 @@ impl GoldenCheck {
     }
 
     /// The first divergence. A flight that ends at another time diverges at its end.
-    pub(super) fn finish(self) -> Option<Broken> {
+    pub(super) fn finish(self) -> Option<Violation> {
         if self.divergence.is_some() {
             return self.divergence;
         }
@@ -159,7 +159,7 @@ fn broken(
     found: String,
     stored: &str,
     at_s: f64,
-) -> Broken {
+) -> Violation {
     let file = &settings.file;
     let allowed = if stored.is_empty() {
         format!("the flight stored in {file}; twin test --update stores one")
@@ -167,7 +167,7 @@ fn broken(
         format!("{stored}, as in {file}")
     };
     let what = format!("golden run {channel}").trim_end().to_owned();
-    Broken { name: "golden".to_owned(), what, value, found, allowed, at_s }
+    Violation { name: "golden".to_owned(), what, value, found, allowed, at_s }
 }
 
 fn read(settings: &GoldenSettings, path: &Path) -> Result<Vec<(f64, Vec<f64>)>, String> {
@@ -222,7 +222,7 @@ mod tests {
             .collect()
     }
 
-    fn compared(name: &str, stored: &[Tick], flown: &[Tick], tolerance: f64) -> Option<Broken> {
+    fn compared(name: &str, stored: &[Tick], flown: &[Tick], tolerance: f64) -> Option<Violation> {
         let folder =
             std::env::temp_dir().join(format!("twin-golden-{}-{name}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();

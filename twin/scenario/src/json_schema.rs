@@ -4,15 +4,15 @@
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
-use super::document::{Entry, Node, Place};
+use super::document::{Entry, Node, Origin};
 use super::merge::Schema;
 use super::settings::Settings;
-use twin_core::notation::ROWS;
+use twin_core::notation::COORDINATE_NAMES;
 use twin_core::quantity;
 
 /// The schema as text.
 pub fn json_schema() -> String {
-    let Ok(mut defaults) = Entry::parse(super::DEFAULTS, Place::Default) else {
+    let Ok(mut defaults) = Entry::parse(super::DEFAULTS, Origin::Default) else {
         return String::new();
     };
     let root = Schema::new(&mut defaults).into_root();
@@ -98,7 +98,7 @@ impl Writer {
 
     /// The comment behind a key in the defaults.
     fn comment(&self, entry: &Entry) -> Option<String> {
-        let Place::Default(line) = entry.place else { return None };
+        let Origin::Default(line) = entry.place else { return None };
         let (_, comment) = self.lines.get(line.checked_sub(1)? as usize)?.rsplit_once(" # ")?;
         Some(comment.trim().to_owned())
     }
@@ -108,7 +108,7 @@ fn with_range(kind: &str, path: &[String]) -> Value {
     // The rows of a list may have ranges of their own; an editor is told of their union.
     let places: Vec<Vec<String>> = match path.split_last() {
         Some((last, stem)) if last == "0" => {
-            (0..ROWS.len()).map(|index| [stem, &[index.to_string()]].concat()).collect()
+            (0..COORDINATE_NAMES.len()).map(|index| [stem, &[index.to_string()]].concat()).collect()
         }
         _ => vec![path.to_vec()],
     };
@@ -191,9 +191,16 @@ mod tests {
                 assert!(FREE.contains(&key.as_str()), "{key} has no range");
                 continue;
             };
+            // A list of coordinates has one schema for all of them: it must reach as far as the widest range among them.
+            let each = (0..COORDINATE_NAMES.len()).filter_map(|index| {
+                let (last, stem) = path.split_last()?;
+                (last == "0").then(|| quantity::at(&[stem, &[index.to_string()]].concat()))?
+            });
+            let quantities: Vec<_> = each.chain([bounds]).map(|bounds| bounds.quantity).collect();
+            let min = quantities.iter().map(|quantity| quantity.min).reduce(f64::min);
+            let max = quantities.iter().map(|quantity| quantity.max).reduce(f64::max);
             let range = if bounds.or_none { &schema["anyOf"][1] } else { &schema };
-            let told = [range["minimum"].as_f64(), range["maximum"].as_f64()];
-            assert_eq!(told, [Some(bounds.quantity.min), Some(bounds.quantity.max)], "{key}");
+            assert_eq!([range["minimum"].as_f64(), range["maximum"].as_f64()], [min, max], "{key}");
         }
     }
 

@@ -2,7 +2,9 @@
 
 pub mod checks;
 pub mod golden;
+#[cfg(feature = "suite")]
 pub mod markup;
+#[cfg(feature = "suite")]
 pub mod plot;
 pub mod sweep;
 mod ending;
@@ -19,16 +21,20 @@ mod assemble;
 pub mod scene;
 pub mod run;
 mod parallel;
+#[cfg(feature = "suite")]
 pub mod collect;
+#[cfg(feature = "suite")]
 pub mod cache;
+#[cfg(feature = "suite")]
 pub mod table;
 pub mod acceptance;
 mod json_schema;
+#[cfg(feature = "suite")]
 pub mod suite;
 
 use std::path::{Path, PathBuf};
 
-pub use checks::Broken;
+pub use checks::Violation;
 pub use ending::Verdict;
 pub use file::ScenarioError;
 pub use json_schema::json_schema;

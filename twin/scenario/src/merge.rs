@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use super::document::{Entry, Node, Place, dotted};
+use super::document::{Entry, Node, Origin, dotted};
 use twin_core::quantity;
 
 /// What is wrong with one key.
 #[derive(Debug)]
 pub(super) struct Finding {
-    pub(super) place: Place,
+    pub(super) place: Origin,
     pub(super) key: String,
     pub(super) found: String,
     pub(super) allowed: String,
@@ -125,7 +125,7 @@ fn merge(
                 path.pop();
             }
         }
-        (Node::List(known), Node::Table(given)) if matches!(place, Place::Override(_)) => {
+        (Node::List(known), Node::Table(given)) if matches!(place, Origin::Override(_)) => {
             merge_indexed(known, given, pattern, schema, path)?;
         }
         (Node::List(_), Node::List(given)) => {
@@ -200,7 +200,7 @@ fn merge_indexed(
     Ok(())
 }
 
-fn unknown(path: &[String], pattern: &Entry, place: Place, schema: &Schema) -> Finding {
+fn unknown(path: &[String], pattern: &Entry, place: Origin, schema: &Schema) -> Finding {
     let siblings: Vec<&str> = match &pattern.node {
         Node::Table(table) => table.keys().map(String::as_str).collect(),
         _ => Vec::new(),

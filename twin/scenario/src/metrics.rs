@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use nalgebra::Vector3;
 
 use twin_core::elementary::{acos, cos, squared};
-use twin_core::notation::{Coords, N, ROWS, tracking_error};
+use twin_core::notation::{COORDINATE_NAMES, Coords, N, tracking_error};
 use twin_core::residual::NOMINAL_SCALE;
 use twin_core::tick::{EventKind, Tick};
 
@@ -162,7 +162,7 @@ impl Metrics {
         put("rms_error_e8_transport", self.e8_transport.value());
         put("position_rmse_m", self.position.value());
         put("position_rmse_transport_m", self.position_transport.value());
-        for (row, rms) in ROWS.iter().zip(&self.rows) {
+        for (row, rms) in COORDINATE_NAMES.iter().zip(&self.rows) {
             let unit = if matches!(*row, "x" | "y" | "z") { "m" } else { "rad" };
             put(&format!("rms_error_{row}_{unit}"), rms.value());
         }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::checks::{Broken, Checks, range};
+use super::checks::{Checks, Violation, range};
 use super::golden::GoldenCheck;
 use super::metrics::Metrics;
 use super::settings::{Settings, TaskKind};
@@ -36,7 +36,7 @@ pub struct Report {
     #[serde(deserialize_with = "numbers")]
     pub metrics: BTreeMap<String, f64>,
     /// The demands of the scenario that the flight did not meet.
-    pub broken: Vec<Broken>,
+    pub broken: Vec<Violation>,
     /// True if no demand is broken; if the scenario declares a failure, true if that demand is broken.
     pub passed: bool,
 }
@@ -110,7 +110,7 @@ impl Assessor {
         let Self { scenario, settings, metrics, checks, golden, flight_s, .. } = self;
         let places = settings.task.kind == TaskKind::PickPlace;
         let metrics = metrics.finish(places.then(|| settings.task.place_position_m.into()));
-        let mut broken: Vec<Broken> =
+        let mut broken: Vec<Violation> =
             unexpected(settings.expect.verdict, verdict, &reason, flight_s).into_iter().collect();
         broken.extend(checks.finish());
         broken.extend(golden.and_then(GoldenCheck::finish));
@@ -137,8 +137,8 @@ impl Assessor {
     }
 }
 
-fn unexpected(expected: Verdict, found: Verdict, reason: &str, at_s: f64) -> Option<Broken> {
-    (found != expected).then(|| Broken {
+fn unexpected(expected: Verdict, found: Verdict, reason: &str, at_s: f64) -> Option<Violation> {
+    (found != expected).then(|| Violation {
         name: "verdict".to_owned(),
         what: "verdict".to_owned(),
         value: None,
@@ -153,7 +153,7 @@ fn broken_bounds(
     settings: &Settings,
     metrics: &BTreeMap<String, f64>,
     flight_s: f64,
-) -> Vec<Broken> {
+) -> Vec<Violation> {
     let mut all = Vec::new();
     for (name, bound) in &settings.bounds {
         let value = metrics.get(name).copied();
@@ -162,7 +162,7 @@ fn broken_bounds(
         });
         if !kept {
             let known = || metrics.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
-            all.push(Broken {
+            all.push(Violation {
                 name: name.clone(),
                 what: format!("bounds.{name}"),
                 value,

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::settings::PredictorKind;
 use super::{BuildError, Scenario};
-use twin_core::notation::{ROWS, TICK_S};
+use twin_core::notation::{COORDINATE_NAMES, TICK_S};
 use twin_core::residual::nn::Precision;
 use twin_core::residual::nn::kernels::Kernel;
 use twin_core::residual::weights::{Head, SHIPPED, Weights};
@@ -59,7 +59,7 @@ fn read(folder: &Path, name: &str) -> Result<Weights, BuildError> {
 
 /// Refuses weights with channels of joints that the vehicle does not have.
 fn fits_vehicle(head: &Head, joints: usize) -> Result<(), BuildError> {
-    let absent = &ROWS[(6 + joints).min(ROWS.len())..];
+    let absent = &COORDINATE_NAMES[(6 + joints).min(COORDINATE_NAMES.len())..];
     let seen = head.channel_names.iter().find(|name| {
         let row = name.rsplit('.').next().unwrap_or_default();
         absent.contains(&row) && !head.normalisation.masked.contains(name)

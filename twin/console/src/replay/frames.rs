@@ -8,7 +8,7 @@ use base64::engine::general_purpose::STANDARD;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 
-use crate::server::channels::{Channels, Sample};
+use crate::server::channels::{Channels, RowSource};
 use crate::server::telemetry::{Picture, Telemetry};
 use twin_core::tick::Tick;
 use twin_core::tuning::Tuning;
@@ -29,7 +29,7 @@ pub(super) fn frames(
     parts
         .filter_map(|part| {
             let (first, last) = (part.first()?, part.last()?);
-            let row = |tick| channels.row(&Sample { tick, tuning, spectrum: &[] });
+            let row = |tick| channels.row(&RowSource { tick, tuning, spectrum: &[] });
             let frame = Telemetry {
                 schema_id: super::SCHEMA_ID,
                 first_tick: first.index,

@@ -206,7 +206,7 @@ fn head(
     }
 }
 
-fn failure(broken: &twin_scenario::Broken) -> Failure {
+fn failure(broken: &twin_scenario::Violation) -> Failure {
     Failure { at_s: broken.at_s, text: broken.to_string() }
 }
 

@@ -4,18 +4,18 @@ use std::sync::Arc;
 
 use crate::server::mirrored::NOT_IN_FORCE;
 use crate::server::protocol::ChannelInfo;
-use twin_core::notation::{Coords, KnownCoords, MAX_ROTORS, ROWS, position};
+use twin_core::notation::{COORDINATE_NAMES, Coords, KnownCoords, MAX_ROTORS, position};
 use twin_core::residual::PredictorInfo;
 use twin_core::tick::{Adapted, Forecast, Tick};
 use twin_core::tuning::Tuning;
 use twin_scenario::ActuatorLimits;
 
 /// `None` is unknown.
-type Take = Box<dyn Fn(&Sample) -> Option<f64> + Send + Sync>;
+type Take = Box<dyn Fn(&RowSource) -> Option<f64> + Send + Sync>;
 
 /// What a row is made of.
 #[derive(Clone, Copy, Debug)]
-pub struct Sample<'a> {
+pub struct RowSource<'a> {
     /// The tick.
     pub tick: &'a Tick,
     /// Values it was flown with.
@@ -70,7 +70,7 @@ impl Channels {
     }
 
     /// The row of a tick: here alone an unknown number becomes NaN on the wire.
-    pub fn row(&self, sample: &Sample) -> Arc<[f32]> {
+    pub fn row(&self, sample: &RowSource) -> Arc<[f32]> {
         self.takes.iter().map(|take| take(sample).map_or(f32::NAN, |value| value as f32)).collect()
     }
 }
@@ -100,7 +100,7 @@ impl Builder {
         unit: &str,
         name: &str,
         label: &str,
-        take: impl Fn(&Sample) -> V + Send + Sync + 'static,
+        take: impl Fn(&RowSource) -> V + Send + Sync + 'static,
     ) -> &mut ChannelInfo {
         self.takes.push(Box::new(move |sample| take(sample).into()));
         self.infos.push_mut(ChannelInfo {
@@ -123,7 +123,7 @@ impl Builder {
         label: &str,
         take: fn(&Tick) -> Option<KnownCoords>,
     ) {
-        for (index, row) in ROWS.iter().enumerate() {
+        for (index, row) in COORDINATE_NAMES.iter().enumerate() {
             let unit = units[usize::from(index >= 3)];
             let name = format!("{stem}.{row}");
             let scale = self.scale[index];
@@ -288,7 +288,7 @@ mod tests {
     }
 
     fn row(channels: &Channels, tick: &Tick) -> Arc<[f32]> {
-        channels.row(&Sample { tick, tuning: &tuning(), spectrum: &[9.0, 4.0, 1.0] })
+        channels.row(&RowSource { tick, tuning: &tuning(), spectrum: &[9.0, 4.0, 1.0] })
     }
 
     fn channels(rotors: usize) -> Channels {

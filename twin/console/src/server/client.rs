@@ -19,9 +19,9 @@ use crate::server::App;
 use crate::server::command::{self, Request};
 use crate::server::hub::Client;
 use crate::server::mirrored;
-use crate::server::outbox::{Farewell, Message, Parcel, Told};
+use crate::server::outbox::{CloseReason, Message, OutboxContent, SharedMessage};
 use crate::server::protocol::{ClientMessage, NoticeLevel, ServerMessage};
-use crate::server::rate::{Admission, Bucket, MESSAGES_PER_S};
+use crate::server::rate::{Admission, MESSAGES_PER_S, TokenBucket};
 
 /// Longest message a client may send, bytes.
 pub(super) const LONGEST_MESSAGE: usize = 64 * 1024;
@@ -51,7 +51,7 @@ pub(super) trait Dialect: Send + Sync + 'static {
     const ONE_IN_FLIGHT: bool;
 
     /// Encodes the content of the outbox as frames; `now_s` is the server's uptime, s.
-    fn compose(&self, parcel: Parcel, client: &Client, now_s: f64) -> Vec<Frame>;
+    fn compose(&self, parcel: OutboxContent, client: &Client, now_s: f64) -> Vec<Frame>;
 
     /// Handles one frame of the client; the caller has handled control frames already.
     fn hear(&self, frame: &Frame, client: &Client, app: &App);
@@ -59,14 +59,14 @@ pub(super) trait Dialect: Send + Sync + 'static {
 
 /// The receiver at the other end of a connection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Taker {
+pub(super) enum ReceiverKind {
     /// A page in a browser, which draws at most as often as its screen shows pictures.
     Page,
     /// A program, which may want every tick and gets the next batch as soon as it has read the last one.
     Program,
 }
 
-impl Taker {
+impl ReceiverKind {
     /// A browser sends the header `Origin` with the page that opens the socket; a program sends none.
     pub(super) fn of(headers: &HeaderMap) -> Self {
         if headers.contains_key(ORIGIN) { Self::Page } else { Self::Program }
@@ -87,10 +87,12 @@ pub(super) struct Console;
 impl Dialect for Console {
     const ONE_IN_FLIGHT: bool = false;
 
-    fn compose(&self, parcel: Parcel, client: &Client, now_s: f64) -> Vec<Frame> {
+    fn compose(&self, parcel: OutboxContent, client: &Client, now_s: f64) -> Vec<Frame> {
         let texts = parcel.messages.into_iter().map(|message| match message {
-            Message::Told(told) => Frame::text(told.text.clone()),
-            Message::Hello(published) => Frame::text(Told::from(published.hello(client.id)).text),
+            Message::Shared(told) => Frame::text(told.text.clone()),
+            Message::Hello(published) => {
+                Frame::text(SharedMessage::from(published.hello(client.id)).text)
+            }
         });
         let rows = parcel.telemetry.map(|telemetry| Frame::binary(telemetry.encode(now_s)));
         texts.chain(rows).collect()
@@ -124,7 +126,7 @@ pub(super) fn connect(
     app: Arc<App>,
     dialect: impl Dialect,
 ) -> Response {
-    let taker = Taker::of(headers);
+    let taker = ReceiverKind::of(headers);
     upgrade
         .read_buffer_size(READ_BUFFER)
         .max_message_size(LONGEST_MESSAGE)
@@ -133,10 +135,15 @@ pub(super) fn connect(
 }
 
 /// Serves one connection until it ends.
-pub(super) async fn serve<D: Dialect>(socket: WebSocket, app: Arc<App>, dialect: D, taker: Taker) {
+pub(super) async fn serve<D: Dialect>(
+    socket: WebSocket,
+    app: Arc<App>,
+    dialect: D,
+    taker: ReceiverKind,
+) {
     let (mut sink, mut stream) = socket.split();
     let Some(client) = app.hub.join() else {
-        let farewell = Farewell {
+        let farewell = CloseReason {
             code: 1013,
             reason: "too many clients; close another console and try again".to_owned(),
         };
@@ -165,7 +172,7 @@ async fn write<D: Dialect>(
     client: Arc<Client>,
     app: Arc<App>,
     shared: Arc<(D, Acknowledged)>,
-    taker: Taker,
+    taker: ReceiverKind,
 ) {
     let (dialect, acknowledged) = &*shared;
     loop {
@@ -211,7 +218,7 @@ impl Acknowledged {
             return true;
         }
         let reason = format!("no answer for {} s", SEND_TIMEOUT.as_secs());
-        say_farewell(sink, Farewell { code: 1001, reason }).await;
+        say_farewell(sink, CloseReason { code: 1001, reason }).await;
         false
     }
 
@@ -236,7 +243,7 @@ async fn send(sink: &mut SplitSink<WebSocket, Frame>, frames: Vec<Frame>) -> boo
     matches!(tokio::time::timeout(SEND_TIMEOUT, sending).await, Ok(Ok(())))
 }
 
-async fn say_farewell(sink: &mut SplitSink<WebSocket, Frame>, farewell: Farewell) {
+async fn say_farewell(sink: &mut SplitSink<WebSocket, Frame>, farewell: CloseReason) {
     let frame = CloseFrame { code: farewell.code, reason: farewell.reason.into() };
     // An error means that the client is gone already, so nobody is left to tell.
     let _ =
@@ -249,7 +256,7 @@ async fn read<D: Dialect>(
     app: &App,
     (dialect, acknowledged): &(D, Acknowledged),
 ) {
-    let mut bucket = Bucket::new(app.uptime_s());
+    let mut bucket = TokenBucket::new(app.uptime_s());
     while let Some(frame) = stream.next().await {
         let frame = match frame {
             Ok(frame) => frame,
@@ -282,7 +289,7 @@ async fn read<D: Dialect>(
 }
 
 /// Decides whether to handle a message that arrives now; tells the client if it sends too many.
-fn admit(bucket: &mut Bucket, client: &Client, app: &App) -> Admission {
+fn admit(bucket: &mut TokenBucket, client: &Client, app: &App) -> Admission {
     let admission = bucket.admit(app.uptime_s());
     match admission {
         Admission::Handle | Admission::Drop => {}
@@ -358,7 +365,7 @@ mod tests {
     fn a_page_is_paced_a_program_paces_itself_and_a_crowd_shares() {
         let (ms, page) =
             (Duration::from_millis, HeaderMap::from_iter([(ORIGIN, "http://x".parse().unwrap())]));
-        let (page, program) = (Taker::of(&page), Taker::of(&HeaderMap::new()));
+        let (page, program) = (ReceiverKind::of(&page), ReceiverKind::of(&HeaderMap::new()));
         assert_eq!(
             [page.gap(true, 1), program.gap(true, 1), program.gap(true, 50)],
             [ms(5), ms(0), ms(0)]

@@ -3,7 +3,7 @@
 //! A change is checked when it arrives ([`check`]), waits for the end of the tick, and is applied, noted in the flight
 //! (and so recorded) and echoed with the first tick flown with it. The last writer wins.
 
-use crate::server::ledger::Ledger;
+use crate::server::gain_events::GainEvents;
 use crate::server::protocol::{GainEcho, GainInfo, GainList, PresetName};
 use twin_core::flight::Flight;
 use twin_core::quantity::Quantity;
@@ -61,20 +61,20 @@ pub(super) fn preset(name: PresetName) -> Option<Preset> {
 }
 
 /// The presets of a flight, the one chosen last, and what was said about changes.
-pub(super) struct Desk {
+pub(super) struct GainPresets {
     presets: [Tuning; PRESETS.len()],
     chosen: usize,
-    ledger: Ledger,
+    gain_events: GainEvents,
 }
 
-impl Desk {
-    /// The desk of a flight that starts with `tuning`.
+impl GainPresets {
+    /// The presets of a flight that starts with `tuning`.
     pub(super) fn new(scenario: &Scenario, tuning: &Tuning) -> Self {
         let presets = PRESETS.map(|(preset, ..)| within_ranges(&scenario.preset_tuning(preset)));
         let tuning = within_ranges(tuning);
         let differences = |preset: &Tuning| changed(preset, &tuning).count();
         let nearest = (0..presets.len()).min_by_key(|&index| differences(&presets[index]));
-        Self { presets, chosen: nearest.unwrap_or_default(), ledger: Ledger::default() }
+        Self { presets, chosen: nearest.unwrap_or_default(), gain_events: GainEvents::default() }
     }
 
     /// The preset chosen last.
@@ -84,7 +84,7 @@ impl Desk {
 
     /// Changes that have come to rest before `next_tick` become events.
     pub(super) fn settle(&mut self, flight: &mut Flight, next_tick: u64) {
-        for text in self.ledger.settle(next_tick) {
+        for text in self.gain_events.settle(next_tick) {
             flight.note(Event::new(EventKind::Gain, text));
         }
     }
@@ -174,7 +174,7 @@ impl Desk {
             |name: &&String| shown(before, name).to_bits() != shown(after, name).to_bits();
         let changed: Vec<&String> = named.iter().filter(differs).collect();
         if preset_applied {
-            self.ledger = Ledger::default();
+            self.gain_events = GainEvents::default();
             return vec![format!(
                 "preset {} ({} gains changed)",
                 PRESETS[self.chosen].2,
@@ -188,7 +188,7 @@ impl Desk {
         changed
             .into_iter()
             .filter_map(|name| {
-                self.ledger.change(name, [shown(before, name), shown(after, name)], next_tick)
+                self.gain_events.change(name, [shown(before, name), shown(after, name)], next_tick)
             })
             .collect()
     }
@@ -230,11 +230,11 @@ mod tests {
         Tuning { gains: Gains::preset(preset), adapter: lra::Settings::default() }
     }
 
-    fn desk() -> Desk {
-        Desk {
+    fn presets() -> GainPresets {
+        GainPresets {
             presets: PRESETS.map(|(preset, ..)| within_ranges(&tuning(preset))),
             chosen: 2,
-            ledger: Ledger::default(),
+            gain_events: GainEvents::default(),
         }
     }
 
@@ -257,17 +257,17 @@ mod tests {
     fn each_preset_is_recognised_and_one_changed_value_makes_it_custom() {
         for (preset, name, _) in PRESETS {
             let mut values = tuning(preset);
-            assert_eq!(desk().preset(&values), name);
+            assert_eq!(presets().preset(&values), name);
             values.gains.slope = Coords::repeat(0.123);
-            assert_eq!(desk().preset(&values), PresetName::Custom);
+            assert_eq!(presets().preset(&values), PresetName::Custom);
         }
     }
 
     #[test]
     fn every_listed_value_can_be_sent_back() {
-        let desk = desk();
+        let presets = presets();
         for (preset, ..) in PRESETS {
-            for gain in desk.list(&tuning(preset)) {
+            for gain in presets.list(&tuning(preset)) {
                 for value in [gain.value, gain.preset_value] {
                     assert!(
                         check(&tuning(Preset::Paper), gain.name.clone(), value).is_ok(),
@@ -282,7 +282,7 @@ mod tests {
     #[test]
     fn choosing_a_preset_names_exactly_the_gains_that_differ() {
         let mut values = tuning(Preset::Tuned);
-        let mut names = desk().choose(Preset::Paper, &mut values);
+        let mut names = presets().choose(Preset::Paper, &mut values);
         names.sort();
         // The tuned preset is the paper's with these six changed.
         assert_eq!(names, ["damping.x", "damping.y", "damping.z", "slope.x", "slope.y", "slope.z"]);

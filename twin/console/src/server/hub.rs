@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use tokio::sync::Notify;
 
-use crate::server::outbox::{Farewell, Message, Outbox, Past, Told};
+use crate::server::outbox::{CloseReason, Message, Outbox, RecentRows, SharedMessage};
 use crate::server::protocol::{FlightPhase, Notice, NoticeLevel, ServerMessage};
 use crate::server::published::Published;
 use crate::server::telemetry::Picture;
@@ -40,7 +40,7 @@ impl Client {
 
     /// A message to this client alone; dropped if it does not read.
     pub(super) fn say(&self, message: ServerMessage) {
-        if !self.outbox().push_message(Message::Told(Arc::new(message.into()))) {
+        if !self.outbox().push_message(Message::Shared(Arc::new(message.into()))) {
             tracing::debug!("client {} does not read; a message to it was dropped", self.id);
         }
         self.wake.notify_one();
@@ -48,14 +48,14 @@ impl Client {
 
     /// Closes the connection with a reason.
     pub(super) fn close(&self, code: u16, reason: impl Into<String>) {
-        self.outbox().close(Farewell { code, reason: reason.into() });
+        self.outbox().close(CloseReason { code, reason: reason.into() });
         self.wake.notify_one();
     }
 }
 
 struct Shared {
     published: Published,
-    past: Past,
+    past: RecentRows,
     clients: BTreeMap<u64, Arc<Client>>,
     next_id: u64,
     flying: bool,
@@ -75,7 +75,7 @@ impl Hub {
         Self {
             shared: Mutex::new(Shared {
                 published,
-                past: Past::default(),
+                past: RecentRows::default(),
                 clients: BTreeMap::new(),
                 next_id: 1,
                 flying: true,
@@ -187,13 +187,13 @@ impl Hub {
     /// Changes what is published and tells everybody; a client that lets its messages pile up is sent everything anew.
     pub(super) fn publish(&self, change: impl FnOnce(&mut Published) -> Vec<ServerMessage>) {
         let mut shared = self.shared();
-        let messages: Vec<Arc<Told>> = change(&mut shared.published)
+        let messages: Vec<Arc<SharedMessage>> = change(&mut shared.published)
             .into_iter()
-            .map(|message| Arc::new(Told::from(message)))
+            .map(|message| Arc::new(SharedMessage::from(message)))
             .collect();
         for client in shared.clients.values() {
             let mut outbox = client.outbox();
-            if !messages.iter().all(|told| outbox.push_message(Message::Told(Arc::clone(told)))) {
+            if !messages.iter().all(|told| outbox.push_message(Message::Shared(Arc::clone(told)))) {
                 outbox.start_over(Arc::new(shared.published.clone()));
             }
             drop(outbox);
@@ -205,14 +205,14 @@ impl Hub {
     pub(super) fn restart(&self, published: Published) {
         let mut shared = self.shared();
         shared.published = published;
-        shared.past = Past::default();
+        shared.past = RecentRows::default();
         shared.published.state.clients = shared.clients.len();
         let published = Arc::new(shared.published.clone());
-        let reset = Arc::new(Told::from(ServerMessage::Reset {}));
+        let reset = Arc::new(SharedMessage::from(ServerMessage::Reset {}));
         for client in shared.clients.values() {
             let mut outbox = client.outbox();
             outbox.begin(published.schema_id, true);
-            let fits = outbox.push_message(Message::Told(Arc::clone(&reset)))
+            let fits = outbox.push_message(Message::Shared(Arc::clone(&reset)))
                 && outbox.push_message(Message::Hello(Arc::clone(&published)));
             if !fits {
                 outbox.start_over(Arc::clone(&published));
@@ -246,7 +246,7 @@ mod tests {
 
     use super::*;
     use crate::server::outbox::MOST_ROWS;
-    use crate::server::sortie::Sortie;
+    use crate::server::served_flight::ServedFlight;
     use twin_scenario::Scenario;
 
     const HOVER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/hover.toml");
@@ -254,13 +254,13 @@ mod tests {
     #[test]
     fn ticks_that_come_faster_than_anybody_reads_reach_everybody_as_one_past() {
         let scenario = Scenario::load(Path::new(HOVER), &[]).unwrap();
-        let mut sortie = Sortie::new(scenario).unwrap();
-        let hub = Hub::new(sortie.published(Arc::default(), None, false));
+        let mut served = ServedFlight::new(scenario).unwrap();
+        let hub = Hub::new(served.published(Arc::default(), None, false));
         let before = hub.join().unwrap();
         let mut fly = |ticks: usize| {
             for _ in 0..ticks {
-                let tick = sortie.flight.tick();
-                hub.tick(&tick, || sortie.draw(&tick));
+                let tick = served.flight.tick();
+                hub.tick(&tick, || served.draw(&tick));
             }
         };
         hub.hold();

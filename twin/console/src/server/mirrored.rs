@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use crate::server::protocol::{ClientMessage, MirrorInfo, TwinAxis, TwinInfo};
-use twin_core::notation::{ROWS, TICK_S};
+use twin_core::notation::{COORDINATE_NAMES, TICK_S};
 use twin_foreign::divergence::HORIZONS;
 use twin_foreign::shadow::{GHOST_TICKS, PREDICTOR};
 use twin_foreign::{Flyer, Light, Shadow, Twin};
@@ -44,10 +44,10 @@ impl Mirrored {
         });
         let recorded = &opened.recorded;
         let shadow = Shadow::of(opened);
-        let flyer = Flyer::new(shadow.film(), opened, Twin::of(opened));
+        let flyer = Flyer::new(shadow.playback(), opened, Twin::of(opened));
         let known =
             |row: usize| (0..recorded.instants.len()).any(|t| recorded.residual_counts(t, row));
-        let unknown = ROWS.iter().enumerate().filter(|(row, _)| !known(*row));
+        let unknown = COORDINATE_NAMES.iter().enumerate().filter(|(row, _)| !known(*row));
         let vehicle = &opened.map.vehicle.name;
         let vehicle = if vehicle.is_empty() { "unknown vehicle" } else { vehicle };
         let joints = match &recorded.joint_names[..] {
@@ -108,7 +108,7 @@ impl Mirrored {
         // A little earlier, so that nothing after the tick is needed: of a stream there is nothing yet.
         let start = tick.checked_sub(self.flyer.reach(HORIZONS[1]));
         let misses = start.and_then(|start| self.flyer.half_second(start));
-        let axis = |(row, miss): (&&str, &twin_foreign::Miss)| {
+        let axis = |(row, miss): (&&str, &twin_foreign::PredictionError)| {
             let (twin, with_residual, coasting) = (miss.twin?, miss.with_residual?, miss.coasting?);
             Some(TwinAxis { row: (*row).to_owned(), twin, with_residual, coasting })
         };
@@ -116,7 +116,11 @@ impl Mirrored {
             says: self.flyer.says().to_owned(),
             horizon_s: HORIZONS[1] as f64 * TICK_S,
             light: misses.as_ref().and_then(Light::worst),
-            axes: misses.iter().flat_map(|m| ROWS.iter().zip(m)).filter_map(axis).collect(),
+            axes: misses
+                .iter()
+                .flat_map(|m| COORDINATE_NAMES.iter().zip(m))
+                .filter_map(axis)
+                .collect(),
         }
     }
 

@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use crate::server::logbook::Logbook;
+use crate::server::flight_recorder::FlightRecorder;
+use crate::server::listen::{Beside, ListenOptions};
 use crate::server::mirrored::Mirrored;
-use crate::server::pilot::{Mission, Orders};
-use crate::server::place::{Beside, Place};
+use crate::server::pilot::{FirstFlight, PilotOptions};
 use crate::server::running::{Running, watch};
 use crate::server::{ServerError, launch};
 use twin_foreign::{Live, OpenedFlight};
@@ -49,12 +49,12 @@ pub fn serve_mirror(options: MirrorOptions) -> Result<(), ServerError> {
 pub fn spawn_mirror(options: MirrorOptions) -> Result<Running, ServerError> {
     let mirrored = Arc::new(Mirrored::new(&options.opened, options.live.map(Arc::new)));
     let tuning = *mirrored.shadow.tuning();
-    let orders = Orders {
-        mission: Mission::Mirror { mirrored, start_s: options.start_s },
+    let orders = PilotOptions {
+        mission: FirstFlight::Mirror { mirrored, start_s: options.start_s },
         catalogue: Vec::new(),
         speed: options.speed,
         start_paused: options.start_paused,
-        logbook: Logbook::new(None),
+        flight_recorder: FlightRecorder::new(None),
     };
     // A recording has no vehicle of ours, and so no files of one; of its joints it says the angles.
     let foxglove = options.foxglove_port.map(|port| Beside {
@@ -63,5 +63,5 @@ pub fn spawn_mirror(options: MirrorOptions) -> Result<Running, ServerError> {
         recorded_joints: options.opened.recorded.joint_names.clone(),
     });
     let MirrorOptions { host, port, viewer_dir, .. } = options;
-    launch(orders, &tuning, true, Place { host, port, viewer_dir, foxglove })
+    launch(orders, &tuning, true, ListenOptions { host, port, viewer_dir, foxglove })
 }

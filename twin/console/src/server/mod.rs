@@ -7,7 +7,7 @@
 mod twin_info;
 pub mod protocol;
 mod quantity_info;
-mod ledger;
+mod gain_events;
 mod gains;
 mod command;
 pub mod channels;
@@ -17,10 +17,10 @@ mod published;
 mod outbox;
 mod hub;
 mod world;
-mod logbook;
-mod place;
+mod flight_recorder;
+mod listen;
 mod mirrored;
-mod sortie;
+mod served_flight;
 mod pilot;
 mod rate;
 mod client;
@@ -54,10 +54,10 @@ use axum::serve::ListenerExt as _;
 use tokio::sync::oneshot;
 
 use crate::server::command::Request;
+use crate::server::flight_recorder::FlightRecorder;
 use crate::server::hub::Hub;
-use crate::server::logbook::Logbook;
-use crate::server::pilot::{Mission, Orders, Pilot};
-use crate::server::place::{Beside, Place};
+use crate::server::listen::{Beside, ListenOptions};
+use crate::server::pilot::{FirstFlight, Pilot, PilotOptions};
 use crate::server::protocol::ScenarioInfo;
 use twin_core::tuning::Tuning;
 use twin_record::RecordingError;
@@ -176,7 +176,7 @@ pub fn spawn(options: ServeOptions) -> Result<Running, ServerError> {
     let vehicles = known
         .map(|known| Ok((known.name.clone(), known.vehicle_files()?)))
         .collect::<Result<BTreeMap<_, _>, BuildError>>()?;
-    let place = Place {
+    let place = ListenOptions {
         host: options.host,
         port: options.port,
         viewer_dir: options.viewer_dir,
@@ -187,27 +187,27 @@ pub fn spawn(options: ServeOptions) -> Result<Running, ServerError> {
         }),
     };
     let tuning = options.scenario.preset_tuning(Preset::Tuned);
-    let orders = Orders {
-        mission: Mission::Fly(Box::new(options.scenario)),
+    let orders = PilotOptions {
+        mission: FirstFlight::Fly(Box::new(options.scenario)),
         catalogue: options.catalogue,
         speed: options.speed,
         start_paused: options.start_paused,
-        logbook: Logbook::new(options.record),
+        flight_recorder: FlightRecorder::new(options.record),
     };
     launch(orders, &tuning, false, place)
 }
 
 /// Listens, starts the flight, serves it. `tuning` is in range, to try a change on.
 fn launch(
-    orders: Orders,
+    orders: PilotOptions,
     tuning: &Tuning,
     mirrored: bool,
-    place: Place,
+    options: ListenOptions,
 ) -> Result<Running, ServerError> {
-    let address = SocketAddr::new(place::loopback(&place.host)?, place.port);
+    let address = SocketAddr::new(listen::loopback(&options.host)?, options.port);
     let runtime =
         tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build()?;
-    let listener = runtime.block_on(async { place::listen(address) })?;
+    let listener = runtime.block_on(async { listen::listen(address) })?;
     let address = listener.local_addr()?;
 
     let (requests, inbox) = sync_channel(MOST_REQUESTS);
@@ -220,7 +220,7 @@ fn launch(
         tuning: *tuning,
         mirrored,
         requests,
-        viewer_dir: place.viewer_dir,
+        viewer_dir: options.viewer_dir,
         started: pace::now(),
     });
     let router = http::router(Arc::clone(&app));
@@ -249,7 +249,7 @@ fn launch(
         flight: Some(flight),
         runtime: Some(runtime),
     };
-    if let Some(beside) = place.foxglove {
+    if let Some(beside) = options.foxglove {
         running.open_beside(beside, app)?;
     }
     Ok(running)
@@ -257,7 +257,7 @@ fn launch(
 
 /// Starts the flight's thread. The flight is built there too, so nothing in it has to move between threads.
 fn take_off(
-    orders: Orders,
+    orders: PilotOptions,
     inbox: Receiver<Request>,
     landing: Arc<AtomicBool>,
 ) -> Result<(Arc<Hub>, JoinHandle<()>), ServerError> {

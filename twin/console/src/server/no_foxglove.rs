@@ -6,7 +6,7 @@ use std::sync::Arc;
 use tokio::task::JoinHandle;
 
 use crate::server::App;
-use crate::server::place::Beside;
+use crate::server::listen::Beside;
 
 /// Refuses to start a Foxglove server.
 ///

@@ -21,14 +21,14 @@ pub(super) const MOST_MESSAGES: usize = 512;
 
 /// A message with its JSON text, which is made once for all clients. Clients that speak no JSON use the message itself.
 #[derive(Debug)]
-pub(super) struct Told {
+pub(super) struct SharedMessage {
     /// The message.
     pub message: ServerMessage,
     /// The message as JSON, for the console.
     pub text: String,
 }
 
-impl From<ServerMessage> for Told {
+impl From<ServerMessage> for SharedMessage {
     fn from(message: ServerMessage) -> Self {
         let text = serde_json::to_string(&message)
             .inspect_err(|error| tracing::error!("cannot write a message as JSON: {error}"))
@@ -41,14 +41,14 @@ impl From<ServerMessage> for Told {
 #[derive(Clone, Debug)]
 pub(super) enum Message {
     /// A message that is the same for all clients.
-    Told(Arc<Told>),
+    Shared(Arc<SharedMessage>),
     /// A `hello`, which is written separately for each client.
     Hello(Arc<Published>),
 }
 
 /// The reason why the server closes a connection.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Farewell {
+pub(super) struct CloseReason {
     /// Close code of RFC 6455.
     pub code: u16,
     /// The reason in one sentence.
@@ -57,13 +57,13 @@ pub(super) struct Farewell {
 
 /// The newest rows of a flight and the newest picture, for clients that join later.
 #[derive(Debug, Default)]
-pub(super) struct Past {
+pub(super) struct RecentRows {
     rows: VecDeque<Arc<[f32]>>,
     first_tick: u64,
     picture: Option<Arc<Picture>>,
 }
 
-impl Past {
+impl RecentRows {
     /// Adds a tick. A tick that does not follow the last one clears the past first.
     pub(super) fn push_tick(&mut self, tick: u64, row: Arc<[f32]>, picture: Arc<Picture>) {
         if tick != self.first_tick + self.rows.len() as u64 {
@@ -91,21 +91,21 @@ pub(super) struct Outbox {
     reset: bool,
     picture: Option<Arc<Picture>>,
     schema_id: u16,
-    farewell: Option<Farewell>,
+    farewell: Option<CloseReason>,
 }
 
 /// The content of an outbox, in the order in which it is sent.
 #[derive(Debug, Default)]
-pub(super) struct Parcel {
+pub(super) struct OutboxContent {
     /// Messages. They come first, because a `hello` describes the rows that follow.
     pub messages: Vec<Message>,
     /// Rows with the newest picture.
     pub telemetry: Option<Telemetry>,
     /// The reason if the connection closes after the rest was sent.
-    pub farewell: Option<Farewell>,
+    pub farewell: Option<CloseReason>,
 }
 
-impl Parcel {
+impl OutboxContent {
     /// Cuts the parcel into parts of at most `most` rows. The first part has the messages, and each part has the newest picture.
     pub(super) fn parts(self, most: usize) -> impl Iterator<Item = Self> {
         let mut messages = Some(self.messages);
@@ -140,7 +140,7 @@ impl Outbox {
     }
 
     /// Adds the past for a client that has just joined.
-    pub(super) fn catch_up(&mut self, past: &Past) {
+    pub(super) fn catch_up(&mut self, past: &RecentRows) {
         self.rows.clone_from(&past.rows);
         self.past_rows = past.rows.len();
         self.first_tick = past.first_tick;
@@ -175,12 +175,12 @@ impl Outbox {
     }
 
     /// Closes the connection after the waiting rows and messages were sent.
-    pub(super) fn close(&mut self, farewell: Farewell) {
+    pub(super) fn close(&mut self, farewell: CloseReason) {
         self.farewell.get_or_insert(farewell);
     }
 
     /// Takes everything out of the outbox.
-    pub(super) fn take(&mut self) -> Parcel {
+    pub(super) fn take(&mut self) -> OutboxContent {
         self.past_rows = 0;
         let telemetry = match (&self.picture, self.rows.is_empty()) {
             (Some(picture), false) => Some(Telemetry {
@@ -193,7 +193,7 @@ impl Outbox {
             }),
             _ => None,
         };
-        Parcel {
+        OutboxContent {
             messages: self.messages.drain(..).collect(),
             telemetry,
             farewell: self.farewell.clone(),
@@ -223,7 +223,7 @@ mod tests {
     }
 
     fn pong(t: f64) -> Message {
-        Message::Told(Arc::new(ServerMessage::Pong { t, t_s: 0.0 }.into()))
+        Message::Shared(Arc::new(ServerMessage::Pong { t, t_s: 0.0 }.into()))
     }
 
     #[test]
@@ -277,7 +277,7 @@ mod tests {
 
     #[test]
     fn a_client_that_comes_late_gets_the_past_once_and_then_what_follows() {
-        let mut past = Past::default();
+        let mut past = RecentRows::default();
         let last = PAST_ROWS as u64 + 40;
         let mut given = Outbox::default();
         push(&mut given, 0..last);
@@ -302,7 +302,7 @@ mod tests {
         outbox.begin(7, true);
         assert!(outbox.push_message(pong(1.0)));
         push(&mut outbox, 0..MOST_ROWS as u64 + 3);
-        let parts: Vec<Parcel> = outbox.take().parts(200).collect();
+        let parts: Vec<OutboxContent> = outbox.take().parts(200).collect();
         let rows: Vec<Telemetry> = parts.iter().filter_map(|part| part.telemetry.clone()).collect();
         assert_eq!(
             rows.iter().flat_map(ticks_of).collect::<Vec<_>>(),
@@ -322,7 +322,7 @@ mod tests {
 
     #[test]
     fn a_tick_that_does_not_follow_begins_a_new_past() {
-        let mut past = Past::default();
+        let mut past = RecentRows::default();
         let mut given = Outbox::default();
         push(&mut given, 0..1);
         let picture = given.picture.unwrap();
@@ -343,6 +343,6 @@ mod tests {
         assert!(!outbox.push_message(pong(-1.0)));
         let messages = outbox.take().messages;
         assert_eq!(messages.len(), MOST_MESSAGES);
-        assert!(matches!(&messages[0], Message::Told(told) if told.text.contains("\"t\":0.0")));
+        assert!(matches!(&messages[0], Message::Shared(told) if told.text.contains("\"t\":0.0")));
     }
 }

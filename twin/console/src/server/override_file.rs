@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use crate::server::protocol::GainInfo;
 use crate::server::published::Published;
-use twin_core::notation::ROWS;
+use twin_core::notation::COORDINATE_NAMES;
 
 /// The preset chosen last and the gains whose values differ from it, as TOML. A comment names the flight and the tick.
 pub(super) fn text(published: &Published) -> String {
@@ -16,13 +16,14 @@ pub(super) fn text(published: &Published) -> String {
         state.t_s,
         state.scenario,
         state.seed,
-        crate::server::sortie::word(&published.base),
+        crate::server::served_flight::word(&published.base),
     );
     let values: BTreeMap<&str, f64> =
         published.gains.iter().map(|gain| (gain.name.as_str(), gain.value)).collect();
     for stem in ["slope", "damping"] {
         let row = |row: &&str| values.get(format!("{stem}.{row}").as_str()).copied();
-        let all: Option<Vec<String>> = ROWS.iter().map(|r| row(r).map(number)).collect();
+        let all: Option<Vec<String>> =
+            COORDINATE_NAMES.iter().map(|r| row(r).map(number)).collect();
         let of_stem = |gain: &&GainInfo| gain.name.split_once('.').is_some_and(|(s, _)| s == stem);
         if let (Some(all), true) = (all, published.gains.iter().filter(of_stem).any(differs)) {
             let _ = writeln!(text, "{stem} = [{}]", all.join(", "));

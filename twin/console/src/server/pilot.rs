@@ -10,13 +10,13 @@ use std::time::{Duration, Instant};
 
 use crate::server::ServerError;
 use crate::server::command::{Command, Request};
+use crate::server::flight_recorder::FlightRecorder;
 use crate::server::gains::Change;
 use crate::server::hub::Hub;
-use crate::server::logbook::Logbook;
 use crate::server::mirrored::Mirrored;
 use crate::server::pace::{Lateness, Meter, Pace, STAGES, now};
 use crate::server::protocol::{EventInfo, NoticeLevel, ScenarioInfo, ServerMessage, StageCost};
-use crate::server::sortie::{Sortie, word};
+use crate::server::served_flight::{ServedFlight, word};
 use twin_core::tick::{EventKind, Tick};
 use twin_record::RecordingEnd;
 use twin_scenario::Scenario;
@@ -31,9 +31,9 @@ const LIVE_STATE_PERIOD: Duration = Duration::from_millis(100);
 const EDGE_PATIENCE: Duration = Duration::from_millis(5);
 
 /// The first flight, and the scenarios and settings of the flights after it.
-pub(super) struct Orders {
+pub(super) struct PilotOptions {
     /// First flight.
-    pub mission: Mission,
+    pub mission: FirstFlight,
     /// Scenarios that the command `restart` may name.
     pub catalogue: Vec<Scenario>,
     /// Simulated seconds per second; `None` is as fast as the machine can.
@@ -41,11 +41,11 @@ pub(super) struct Orders {
     /// Whether the first flight waits until an operator starts it.
     pub start_paused: bool,
     /// Records the flights.
-    pub logbook: Logbook,
+    pub flight_recorder: FlightRecorder,
 }
 
 /// The kind of the first flight.
-pub(super) enum Mission {
+pub(super) enum FirstFlight {
     /// A simulated flight of a scenario.
     Fly(Box<Scenario>),
     /// A mirrored flight.
@@ -59,10 +59,10 @@ pub(super) enum Mission {
 
 /// The state of the flying thread.
 pub(super) struct Pilot {
-    sortie: Sortie,
+    served: ServedFlight,
     catalogue: Vec<Scenario>,
     hub: Arc<Hub>,
-    logbook: Logbook,
+    flight_recorder: FlightRecorder,
     pace: Pace,
     meter: Meter,
     lateness: Lateness,
@@ -80,26 +80,26 @@ impl Pilot {
     ///
     /// # Errors
     /// [`ServerError`] if the scenario cannot be built or the recording cannot be created.
-    pub(super) fn new(orders: Orders) -> Result<Self, ServerError> {
-        let Orders { mission, catalogue, speed, start_paused, logbook } = orders;
-        let (sortie, warm_up) = match mission {
-            Mission::Fly(scenario) => (Sortie::new(*scenario)?, 0),
-            Mission::Mirror { mirrored, start_s } => {
+    pub(super) fn new(orders: PilotOptions) -> Result<Self, ServerError> {
+        let PilotOptions { mission, catalogue, speed, start_paused, flight_recorder } = orders;
+        let (served, warm_up) = match mission {
+            FirstFlight::Fly(scenario) => (ServedFlight::new(*scenario)?, 0),
+            FirstFlight::Mirror { mirrored, start_s } => {
                 let (first, warm_up) = mirrored.run_up(start_s);
-                (Sortie::mirror(&mirrored, first, mirrored.shadow.tuning())?, warm_up)
+                (ServedFlight::mirror(&mirrored, first, mirrored.shadow.tuning())?, warm_up)
             }
         };
         let infos = catalogue.iter().map(|known| ScenarioInfo {
             name: known.name.clone(),
             title: known.settings.title.clone(),
         });
-        let published = sortie.published(Arc::new(infos.collect()), speed, start_paused);
+        let published = served.published(Arc::new(infos.collect()), speed, start_paused);
         let start = now();
         let mut pilot = Self {
-            sortie,
+            served,
             catalogue,
             hub: Arc::new(Hub::new(published)),
-            logbook,
+            flight_recorder,
             pace: Pace::new(speed, start),
             meter: Meter::new(start),
             lateness: Lateness::default(),
@@ -162,7 +162,7 @@ impl Pilot {
     }
 
     fn is_flying(&self) -> bool {
-        self.sortie.verdict.is_none() && (!self.paused || self.steps > 0)
+        self.served.verdict.is_none() && (!self.paused || self.steps > 0)
     }
 
     /// The longest time for which the thread may wait for a request.
@@ -186,19 +186,19 @@ impl Pilot {
             last = done;
             done
         };
-        let tick = Arc::new(self.sortie.flight.tick_with(&mut |stage| {
+        let tick = Arc::new(self.served.flight.tick_with(&mut |stage| {
             lap(stage as usize);
         }));
-        self.sortie.follow(&tick);
-        self.sortie.settle_gains();
+        self.served.follow(&tick);
+        self.served.settle_gains();
         self.steps = self.steps.saturating_sub(1);
-        if let Err(error) = self.logbook.tick(&tick) {
+        if let Err(error) = self.flight_recorder.tick(&tick) {
             self.alarm(&error.to_string());
         }
-        self.hub.tick(&tick, || self.sortie.draw(&tick));
+        self.hub.tick(&tick, || self.served.draw(&tick));
         self.publish_events(&tick);
-        if self.sortie.task_phase != tick.phase {
-            self.sortie.task_phase.clone_from(&tick.phase);
+        if self.served.task_phase != tick.phase {
+            self.served.task_phase.clone_from(&tick.phase);
             self.state_due = now();
         }
         self.judge(&tick);
@@ -208,26 +208,26 @@ impl Pilot {
     }
 
     fn judge(&mut self, tick: &Tick) {
-        if self.sortie.mirrored.is_some() {
+        if self.served.mirrored.is_some() {
             // A mirrored flight has no verdict. At its end it pauses until somebody plays it again.
             self.paused |= tick.finished;
             self.steps *= u32::from(!tick.finished);
             self.state_due = if tick.finished { now() } else { self.state_due };
-        } else if let Some((verdict, reason)) = self.sortie.judge.watch(tick) {
+        } else if let Some((verdict, reason)) = self.served.judge.watch(tick) {
             self.end(word(&verdict), reason);
         }
     }
 
     fn end(&mut self, verdict: String, reason: String) {
         let event = EventInfo {
-            tick: self.sortie.next_tick.saturating_sub(1),
-            t_s: self.sortie.t_s,
+            tick: self.served.next_tick.saturating_sub(1),
+            t_s: self.served.t_s,
             kind: EventKind::Verdict,
             text: format!("{verdict}: {reason}"),
         };
         self.publish_event_infos(vec![event]);
         self.end_recording(&format!("{verdict}: {reason}"));
-        self.sortie.verdict = Some((verdict, reason));
+        self.served.verdict = Some((verdict, reason));
         self.steps = 0;
         self.publish_state();
     }
@@ -243,16 +243,16 @@ impl Pilot {
                 self.steps = 0;
                 self.pace = Pace::new(self.pace.speed(), now());
             }
-            Command::Step(ticks) if self.sortie.verdict.is_none() && !self.is_at_end() => {
+            Command::Step(ticks) if self.served.verdict.is_none() && !self.is_at_end() => {
                 self.paused = true;
                 self.steps = ticks;
             }
             // An ended flight has no next tick. A step must not pause it either, because a restart keeps the pause.
             Command::Step(_) => {}
             Command::Speed(speed) => self.pace = Pace::new(speed, now()),
-            Command::Disturb(disturbance) => self.sortie.disturb(&disturbance),
+            Command::Disturb(disturbance) => self.served.disturb(&disturbance),
             Command::Seek(t_s) => self.seek(t_s, request.client),
-            Command::Restart { .. } if self.sortie.mirrored.is_some() => {
+            Command::Restart { .. } if self.served.mirrored.is_some() => {
                 self.seek(0.0, request.client);
             }
             Command::Restart { seed, scenario } => self.restart(seed, scenario, request.client),
@@ -265,10 +265,10 @@ impl Pilot {
             return;
         }
         let changes = std::mem::take(&mut self.changes);
-        let Sortie { desk, flight, next_tick, .. } = &mut self.sortie;
-        let applied = desk.apply(flight, changes, *next_tick);
-        let (preset, base) = (desk.preset(flight.tuning()), desk.base());
-        let gains = self.sortie.gains();
+        let ServedFlight { presets, flight, next_tick, .. } = &mut self.served;
+        let applied = presets.apply(flight, changes, *next_tick);
+        let (preset, base) = (presets.preset(flight.tuning()), presets.base());
+        let gains = self.served.gains();
         self.hub.publish(|published| {
             published.gains = gains;
             published.preset = preset;
@@ -280,21 +280,21 @@ impl Pilot {
 
     fn restart(&mut self, seed: Option<u64>, name: Option<String>, client: Option<u64>) {
         let named = name.and_then(|name| self.catalogue.iter().find(|known| known.name == name));
-        let mut scenario = named.unwrap_or(&self.sortie.scenario).clone();
+        let mut scenario = named.unwrap_or(&self.served.scenario).clone();
         if named.is_none() || seed.is_some() {
-            scenario.settings.seed = seed.unwrap_or(self.sortie.scenario.settings.seed);
+            scenario.settings.seed = seed.unwrap_or(self.served.scenario.settings.seed);
         }
-        match Sortie::new(scenario) {
-            Ok(sortie) => self.take_off(sortie),
+        match ServedFlight::new(scenario) {
+            Ok(served) => self.take_off(served),
             Err(error) => {
                 self.hub.notice(client, NoticeLevel::Error, &format!("restart refused: {error}"));
             }
         }
     }
 
-    fn take_off(&mut self, sortie: Sortie) {
+    fn take_off(&mut self, served: ServedFlight) {
         self.end_recording("");
-        self.sortie = sortie;
+        self.served = served;
         self.lateness = Lateness::default();
         self.changes.clear();
         self.steps = 0;
@@ -305,7 +305,7 @@ impl Pilot {
             self.alarm(&error.to_string());
         }
         let scenarios = self.hub.published().scenarios;
-        let mut published = self.sortie.published(scenarios, self.pace.speed(), self.paused);
+        let mut published = self.served.published(scenarios, self.pace.speed(), self.paused);
         published.schema_id = self.schema_id;
         self.hub.restart(published);
     }
@@ -330,11 +330,11 @@ impl Pilot {
     }
 
     fn publish_state(&mut self) {
-        self.sortie.unreadable().iter().for_each(|text| self.alarm(text));
+        self.served.unreadable().iter().for_each(|text| self.alarm(text));
         let start = now();
         let reading = self.meter.read(start);
         self.hub.publish(|published| {
-            self.sortie.describe(&mut published.state, self.pace.speed(), self.paused);
+            self.served.describe(&mut published.state, self.pace.speed(), self.paused);
             published.state.real_time_factor = reading.real_time_factor;
             published.lateness = self.lateness;
             published.state.stages = STAGES
@@ -344,24 +344,24 @@ impl Pilot {
                 .collect();
             vec![ServerMessage::State(published.state.clone())]
         });
-        let live = self.sortie.mirrored.as_ref().is_some_and(|mirrored| mirrored.is_live());
+        let live = self.served.mirrored.as_ref().is_some_and(|mirrored| mirrored.is_live());
         self.state_due = start + if live { LIVE_STATE_PERIOD } else { STATE_PERIOD };
     }
 
     fn begin_recording(&mut self) -> Result<(), ServerError> {
-        if self.logbook.is_wanted() {
-            let info = self.sortie.scenario.recording_info(self.sortie.flight.tuning())?;
-            self.logbook.begin(&info)?;
+        if self.flight_recorder.is_wanted() {
+            let info = self.served.scenario.recording_info(self.served.flight.tuning())?;
+            self.flight_recorder.begin(&info)?;
         }
         Ok(())
     }
 
     fn end_recording(&mut self, verdict: &str) {
         let end = RecordingEnd {
-            state_hash: self.sortie.flight.state_hash(),
+            state_hash: self.served.flight.state_hash(),
             verdict: verdict.to_owned(),
         };
-        match self.logbook.end(end) {
+        match self.flight_recorder.end(end) {
             Ok(Some(said)) => {
                 tracing::info!("{said}");
                 self.hub.notice(None, NoticeLevel::Info, &said);

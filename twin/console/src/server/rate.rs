@@ -21,13 +21,13 @@ pub(super) enum Admission {
 
 /// The bucket of one client.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Bucket {
+pub(super) struct TokenBucket {
     tokens: f64,
     last_s: f64,
     excess: u32,
 }
 
-impl Bucket {
+impl TokenBucket {
     /// A full bucket at `now_s`.
     pub(super) fn new(now_s: f64) -> Self {
         Self { tokens: MESSAGES_PER_S, last_s: now_s, excess: 0 }
@@ -60,13 +60,13 @@ mod tests {
 
     #[test]
     fn a_steady_150_per_second_is_never_refused() {
-        let mut bucket = Bucket::new(0.0);
+        let mut bucket = TokenBucket::new(0.0);
         assert!((1..3000).all(|n| bucket.admit(f64::from(n) / 150.0) == Admission::Handle));
     }
 
     #[test]
     fn a_flood_is_warned_once_then_dropped_then_closed() {
-        let mut bucket = Bucket::new(0.0);
+        let mut bucket = TokenBucket::new(0.0);
         let answers: Vec<Admission> = (0..900).map(|_| bucket.admit(0.0)).collect();
         let count = |wanted| answers.iter().filter(|answer| **answer == wanted).count();
         assert_eq!(count(Admission::Handle), MESSAGES_PER_S as usize);
@@ -77,7 +77,7 @@ mod tests {
 
     #[test]
     fn a_second_of_silence_forgives() {
-        let mut bucket = Bucket::new(0.0);
+        let mut bucket = TokenBucket::new(0.0);
         (0..500).for_each(|_| {
             bucket.admit(0.0);
         });

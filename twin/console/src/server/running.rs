@@ -10,7 +10,7 @@ use tokio::runtime::Runtime;
 use tokio::sync::oneshot;
 
 use crate::server::hub::Hub;
-use crate::server::place::Beside;
+use crate::server::listen::Beside;
 use crate::server::{App, ServerError, foxglove};
 
 /// Connections get this long to close.

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::SafeSet;
 use crate::notation::Coords;
-use crate::tick::{InnerLaw, RowGains};
+use crate::tick::{InnerGains, InnerLaw};
 
 /// Nominal inertia `M_bar` of the paper's controller table: baked into every residual, so the same in all presets, kg and kg m².
 pub const NOMINAL_INERTIA: [f64; 8] = [2.0, 2.0, 2.0, 0.02, 0.02, 0.02, 0.05, 0.05];
@@ -54,8 +54,8 @@ pub struct Gains {
 
 impl Gains {
     /// The part the inner rows need.
-    pub fn rows(&self) -> RowGains {
-        RowGains {
+    pub fn rows(&self) -> InnerGains {
+        InnerGains {
             law: self.inner_law,
             slope: self.slope,
             damping: self.damping,

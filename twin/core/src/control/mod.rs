@@ -9,7 +9,7 @@ pub mod l1;
 pub mod excited;
 pub mod attitude;
 pub mod allocation;
-pub mod rows;
+pub mod inner;
 pub mod safe_set;
 
 use nalgebra::Vector3;
@@ -21,9 +21,9 @@ pub use adaptive::Adaptive;
 pub use allocation::{Allocation, Rotor};
 pub use excited::{Excited, Multisine};
 pub use gains::{Gains, Preset};
+pub use inner::InnerController;
 pub use l1::{L1, L1Settings};
 pub use pid::Pid;
-pub use rows::Rows;
 pub use safe_set::SafeSet;
 
 /// What an outer law sees at one tick.

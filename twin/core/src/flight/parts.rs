@@ -1,7 +1,7 @@
 //! The parts from which a flight is assembled, and the stages of its tick. In and out: plain values; no state.
 
 use super::Trigger;
-use crate::control::{Controller, Rows};
+use crate::control::{Controller, InnerController};
 use crate::residual::lra::Adapter;
 use crate::residual::{GravityModel, Predictor};
 use crate::source::{Disturbance, Source};
@@ -114,7 +114,7 @@ pub struct Parts {
     /// The outer control law.
     pub controller: Box<dyn Controller>,
     /// The inner controllers.
-    pub rows: Rows,
+    pub inner: InnerController,
     /// The task, which says what to fly.
     pub task: Box<dyn Task>,
     /// Model of the gravity force of the vehicle without payload.

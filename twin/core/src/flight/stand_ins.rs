@@ -3,7 +3,7 @@
 //! None of them is measured, so none of them reaches a tick: estimates, error and sliding variable are unknown there.
 //! Where everything is known each of them is what was measured, bit for bit. State: the coordinates known last.
 
-use crate::notation::{Coords, KnownCoords, KnownRows, known_in_both};
+use crate::notation::{Coords, KnownCoords, KnownMask, known_in_both};
 use crate::tick::{ControlState, Measurement, Reference};
 
 /// What stands in for unknown coordinates.
@@ -81,7 +81,7 @@ pub(super) fn as_known(
     measurement: &Measurement,
     reference: &Reference,
 ) -> ControlState {
-    let both = |measured: &KnownCoords, asked: &KnownCoords| -> KnownRows {
+    let both = |measured: &KnownCoords, asked: &KnownCoords| -> KnownMask {
         known_in_both(measured.known(), asked.known())
     };
     let error = both(&measurement.chi, &reference.chi_des);

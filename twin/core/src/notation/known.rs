@@ -9,7 +9,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, ser::SerializeTupl
 use super::{Coords, N};
 
 /// Which coordinates are known, `[x y z phi theta psi q1 q2]`.
-pub type KnownRows = [bool; N];
+pub type KnownMask = [bool; N];
 
 /// One value per generalised coordinate, each known or unknown.
 ///
@@ -19,7 +19,7 @@ pub type KnownRows = [bool; N];
 #[derive(Clone, Copy, Debug)]
 pub struct KnownCoords {
     values: Coords,
-    known: KnownRows,
+    known: KnownMask,
 }
 
 impl KnownCoords {
@@ -42,7 +42,7 @@ impl KnownCoords {
     }
 
     /// Which rows are known.
-    pub fn known(&self) -> KnownRows {
+    pub fn known(&self) -> KnownMask {
         self.known
     }
 
@@ -53,7 +53,7 @@ impl KnownCoords {
 
     /// The same with the rows that are unknown in `known` unknown here too.
     #[must_use]
-    pub fn only(&self, known: KnownRows) -> Self {
+    pub fn only(&self, known: KnownMask) -> Self {
         Self::from_rows(&std::array::from_fn(|row| self.get(row).filter(|_| known[row])))
     }
 
@@ -69,7 +69,7 @@ impl KnownCoords {
 }
 
 /// The rows that are known in both.
-pub fn known_in_both(one: KnownRows, other: KnownRows) -> KnownRows {
+pub fn known_in_both(one: KnownMask, other: KnownMask) -> KnownMask {
     std::array::from_fn(|row| one[row] && other[row])
 }
 
@@ -164,7 +164,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn what_is_taken_away_stays_unknown_and_the_rest_as_it_was(known in any::<KnownRows>(), value in -1e9..1e9f64) {
+        fn what_is_taken_away_stays_unknown_and_the_rest_as_it_was(known in any::<KnownMask>(), value in -1e9..1e9f64) {
             let values = KnownCoords::from(Coords::repeat(value)).only(known);
             prop_assert_eq!(values.known(), known);
             prop_assert_eq!(values.only([true; N]), values);

@@ -18,7 +18,7 @@ pub use gains::{
 };
 pub use slip::Slip;
 
-use crate::notation::ROWS;
+use crate::notation::COORDINATE_NAMES;
 
 /// A number with a meaning: what bounds it, and which keys and messages hold it.
 #[derive(Debug, PartialEq)]
@@ -159,7 +159,7 @@ impl Bounds {
 pub fn at(path: &[String]) -> Option<Bounds> {
     let is_key = |segment: &&String| segment.parse::<usize>().is_err();
     let keys: Vec<&str> = path.iter().filter(is_key).map(String::as_str).collect();
-    let row = path.last().and_then(|last| ROWS.get(last.parse::<usize>().ok()?));
+    let row = path.last().and_then(|last| COORDINATE_NAMES.get(last.parse::<usize>().ok()?));
     let of_row = row.and_then(|row| nearest(&[keys.as_slice(), &[*row]].concat()));
     of_row.or_else(|| nearest(&keys))
 }

@@ -6,9 +6,9 @@ use crate::tick::Forecast;
 
 /// Predicts `r_hat = 0`, so that the vehicle falls; the zero line of every comparison.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct None;
+pub struct ZeroPredictor;
 
-impl Predictor for None {
+impl Predictor for ZeroPredictor {
     fn regime_len(&self) -> usize {
         0
     }

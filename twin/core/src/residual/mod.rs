@@ -26,7 +26,7 @@ use nn::kernels::Kernel;
 
 pub use failing::Failing;
 pub use fdt::Fdt;
-pub use gravity::{Bias, Gravity, None};
+pub use gravity::{Bias, Gravity, ZeroPredictor};
 pub use history::History;
 pub use persistence::Persistence;
 pub use random_features::RandomFeatures;

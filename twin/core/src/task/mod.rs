@@ -19,7 +19,7 @@ use crate::tick::{Event, Measurement, Reference};
 pub use excitation::{Excitation, Region};
 pub use follow::FollowPath;
 pub use hover::Hover;
-pub use pick_place::{Mission, PickPlace};
+pub use pick_place::{PickPlace, PickPlacePlan};
 
 /// What a task sees at one tick.
 pub struct View<'a> {

@@ -8,7 +8,7 @@ mod pulse;
 mod shared;
 mod socket;
 mod tail;
-mod footage;
+mod parts;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -66,7 +66,7 @@ impl Live {
 
     /// The messages so far as a flight; `None` until they contain a pose.
     pub fn opened(&self) -> Option<OpenedFlight> {
-        footage::opened(&self.shared)
+        parts::opened(&self.shared)
     }
 
     /// Waits for a flight for at most `patience`.

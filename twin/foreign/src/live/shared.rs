@@ -10,7 +10,7 @@ use mcap::records::{Channel, Record};
 
 use super::super::container::Findings;
 use super::super::effort::Effort;
-use super::super::gather::{Collector, Gathered, Track};
+use super::super::gather::{Gathered, MessageDecoder, Track};
 use super::super::opened::{OpenedFlight, choose_map};
 use super::super::recorded::on_ticks;
 use super::super::signals::signals;
@@ -38,15 +38,15 @@ pub(super) struct Shared {
     wanted_map: Option<String>,
     start: Instant,
     stop: AtomicBool,
-    state: Mutex<State>,
+    state: Mutex<StreamState>,
 }
 
 #[derive(Debug, Default)]
-pub(super) struct State {
+pub(super) struct StreamState {
     definitions: Definitions,
     counts: BTreeMap<u16, u64>,
     map: Option<(Arc<Map>, String)>,
-    collector: Option<Collector<Arc<Map>>>,
+    collector: Option<MessageDecoder<Arc<Map>>>,
     pub(super) tracks: Vec<Track>,
     pub(super) pulse: Pulse,
     first_heard_s: Option<f64>,
@@ -105,7 +105,7 @@ impl Shared {
         state.up && !state.silent
     }
 
-    pub(super) fn state(&self) -> MutexGuard<'_, State> {
+    pub(super) fn state(&self) -> MutexGuard<'_, StreamState> {
         // A thread that panicked left only whole samples behind.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -188,7 +188,7 @@ impl Shared {
     }
 
     /// Chooses the map by the topics that are known so far.
-    fn define(&self, state: &mut State) {
+    fn define(&self, state: &mut StreamState) {
         let topics: Vec<&str> =
             state.definitions.channels.values().map(|channel| channel.topic.as_str()).collect();
         let Ok((map, name)) = choose_map(self.wanted_map.as_deref(), Map::detect(&topics)) else {
@@ -197,7 +197,7 @@ impl Shared {
         let changed = state.map.as_ref().is_none_or(|(_, known)| *known != name);
         if changed {
             let map = Arc::new(map);
-            state.collector = Some(Collector::new(Arc::clone(&map), None));
+            state.collector = Some(MessageDecoder::new(Arc::clone(&map), None));
             state.map = Some((map, name));
         }
         if let Some(collector) = &mut state.collector {
@@ -296,7 +296,7 @@ impl Shared {
     }
 }
 
-impl State {
+impl StreamState {
     /// Forgets the samples, because another flight began or the clock was set.
     fn begin_anew(&mut self) {
         self.tracks.iter_mut().for_each(|track| track.samples.clear());

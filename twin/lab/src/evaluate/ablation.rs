@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::entrants::{Candidate, trained};
 use super::pictures::{Picture, horizon_curve};
 use super::replay::replay;
-use super::series::{EvaluateError, Sample, Series, Statistics};
+use super::series::{EvaluateError, ReplayTick, Series, Statistics};
 use super::sheet::{Sheet, figure};
 use twin_core::notation::Coords;
 use twin_core::residual::HORIZON;
@@ -51,8 +51,8 @@ pub struct Variant {
 pub fn flown(scenario: &Scenario) -> Result<(Series, Report), EvaluateError> {
     let mut samples = Vec::new();
     let report = fly(scenario, &mut |tick| {
-        let sample = Sample::from(tick);
-        samples.push(Sample { usable: sample.usable && tick.reference.transporting, ..sample });
+        let sample = ReplayTick::from(tick);
+        samples.push(ReplayTick { usable: sample.usable && tick.reference.transporting, ..sample });
     })?;
     let tuning = scenario.tuning().map_err(twin_scenario::BuildError::from)?;
     let series = Series {

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::pictures::{Curve, Picture, horizon_curve};
 use super::prediction::{COLUMNS, Column, PredictionTable, Row};
 use super::series::Series;
-use twin_core::notation::{ROWS, TICK_S};
+use twin_core::notation::{COORDINATE_NAMES, TICK_S};
 use twin_core::residual::HORIZON;
 use twin_scenario::markup::{self, escaped};
 
@@ -131,7 +131,7 @@ fn over_time(table: &PredictionTable, series: &Series, row: usize, at: usize) ->
         measured: false,
     });
     Picture {
-        title: format!("residual {}, forecast {at} ticks ahead", ROWS[row]),
+        title: format!("residual {}, forecast {at} ticks ahead", COORDINATE_NAMES[row]),
         x: "t, s".to_owned(),
         y: if row < 3 { "N" } else { "N m" }.to_owned(),
         curves: std::iter::once(measured).chain(curves).collect(),

@@ -26,7 +26,7 @@ const AFTER_S: f64 = 6.0;
 
 /// One flight.
 #[derive(Clone, Debug, Serialize)]
-pub struct Flown {
+pub struct PickupFlight {
     /// Scenario.
     pub scenario: String,
     /// Mode of the adapter.
@@ -48,11 +48,11 @@ pub struct Flown {
     /// Largest position error within the window, m.
     pub error_peak_m: f64,
     #[serde(skip)]
-    rows: Vec<Instant>,
+    rows: Vec<TickRecord>,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Instant {
+struct TickRecord {
     t_s: f64,
     innovation: f64,
     estimate_error_n: f64,
@@ -60,7 +60,7 @@ struct Instant {
     held: bool,
 }
 
-impl From<&Tick> for Instant {
+impl From<&Tick> for TickRecord {
     fn from(tick: &Tick) -> Self {
         let chi = tick.truth.as_ref().map_or(&*tick.measurement.chi, |truth| &truth.chi);
         Self {
@@ -78,11 +78,11 @@ impl From<&Tick> for Instant {
 ///
 /// # Errors
 /// [`EvaluateError`] if it cannot be built.
-pub fn pick_up(scenario: &Scenario, mode: &'static str) -> Result<Flown, EvaluateError> {
+pub fn pick_up(scenario: &Scenario, mode: &'static str) -> Result<PickupFlight, EvaluateError> {
     let tuning = scenario.tuning().map_err(twin_scenario::BuildError::from)?;
     let (mut rows, mut resets_s, mut at_s) = (Vec::new(), Vec::new(), None);
     let report = fly(scenario, &mut |tick| {
-        rows.push(Instant::from(tick));
+        rows.push(TickRecord::from(tick));
         if tick.adapted.reset {
             resets_s.push(tick.measurement.t_s);
         }
@@ -94,10 +94,10 @@ pub fn pick_up(scenario: &Scenario, mode: &'static str) -> Result<Flown, Evaluat
         }
     })?;
     let inside = |t_s: f64| at_s.is_some_and(|at| t_s >= at && t_s <= at + AFTER_S);
-    let peak = |value: fn(&Instant) -> f64| {
+    let peak = |value: fn(&TickRecord) -> f64| {
         rows.iter().filter(|row| inside(row.t_s)).map(value).fold(0.0, f64::max)
     };
-    Ok(Flown {
+    Ok(PickupFlight {
         scenario: report.scenario,
         mode,
         seed: report.seed,
@@ -113,7 +113,7 @@ pub fn pick_up(scenario: &Scenario, mode: &'static str) -> Result<Flown, Evaluat
 }
 
 /// Time from `at_s` until the estimate fits and goes on fitting; while the adapter is held in contact nothing fits.
-fn recovery(rows: &[Instant], at_s: f64) -> Option<f64> {
+fn recovery(rows: &[TickRecord], at_s: f64) -> Option<f64> {
     let mut since = None;
     for row in rows.iter().filter(|row| row.t_s >= at_s && row.t_s <= at_s + AFTER_S) {
         if row.held || row.estimate_error_n.abs() > FITS_N {
@@ -129,9 +129,9 @@ fn recovery(rows: &[Instant], at_s: f64) -> Option<f64> {
 }
 
 /// The flights of one scenario as pictures: innovation with the resets, and the estimate's vertical error.
-pub fn pictures(flights: &[Flown]) -> Vec<Picture> {
+pub fn pictures(flights: &[PickupFlight]) -> Vec<Picture> {
     let Some(first) = flights.first() else { return Vec::new() };
-    let picture = |what: &str, y: &str, value: fn(&Instant) -> f64| Picture {
+    let picture = |what: &str, y: &str, value: fn(&TickRecord) -> f64| Picture {
         title: format!("{}: {what} about the change of the load", first.scenario),
         x: "s after the load changes".to_owned(),
         y: y.to_owned(),
@@ -146,7 +146,7 @@ pub fn pictures(flights: &[Flown]) -> Vec<Picture> {
     ]
 }
 
-fn curve(flown: &Flown, value: fn(&Instant) -> f64) -> Curve {
+fn curve(flown: &PickupFlight, value: fn(&TickRecord) -> f64) -> Curve {
     let at_s = flown.at_s.unwrap_or(0.0);
     let points = flown.rows.iter().map(|row| (row.t_s - at_s, value(row)));
     Curve {
@@ -157,7 +157,7 @@ fn curve(flown: &Flown, value: fn(&Instant) -> f64) -> Curve {
 }
 
 /// The change of the load, and the resets of the flight with the adapter on.
-fn marks(flights: &[Flown]) -> Vec<(f64, String)> {
+fn marks(flights: &[PickupFlight]) -> Vec<(f64, String)> {
     let resets = flights.iter().find(|flown| flown.mode == MODES[0].0).map(|flown| {
         let at_s = flown.at_s.unwrap_or(0.0);
         flown.resets_s.iter().map(move |t_s| (t_s - at_s, "reset".to_owned()))
@@ -174,7 +174,7 @@ mod tests {
 
     #[test]
     fn recovery_is_when_the_estimate_begins_to_fit_for_good() {
-        let row = |tick: u32, estimate_error_n: f64| Instant {
+        let row = |tick: u32, estimate_error_n: f64| TickRecord {
             t_s: f64::from(tick) * 0.01,
             innovation: 0.0,
             estimate_error_n,
@@ -186,10 +186,10 @@ mod tests {
             0..150 | 180..220 => 3.0,
             _ => 0.1,
         };
-        let rows: Vec<Instant> = (0..600).map(|tick| row(tick, error(tick))).collect();
+        let rows: Vec<TickRecord> = (0..600).map(|tick| row(tick, error(tick))).collect();
         assert!((recovery(&rows, 1.0).unwrap() - 1.2).abs() < 1e-9);
         assert!((recovery(&rows, 2.8).unwrap() - 0.4).abs() < 1e-9, "held is not fitting");
-        let never: Vec<Instant> = (0..600).map(|tick| row(tick, 3.0)).collect();
+        let never: Vec<TickRecord> = (0..600).map(|tick| row(tick, 3.0)).collect();
         assert_eq!(recovery(&never, 1.0), None);
     }
 }

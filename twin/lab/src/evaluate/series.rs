@@ -68,7 +68,7 @@ pub enum EvaluateError {
 
 /// One tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sample {
+pub struct ReplayTick {
     /// Simulated time, s.
     pub t_s: f64,
     /// Coordinates, m and rad.
@@ -83,7 +83,7 @@ pub struct Sample {
     pub usable: bool,
 }
 
-impl From<&Tick> for Sample {
+impl From<&Tick> for ReplayTick {
     fn from(tick: &Tick) -> Self {
         Self {
             t_s: tick.measurement.t_s,
@@ -99,9 +99,9 @@ impl From<&Tick> for Sample {
 }
 
 /// Sha-256 of what is in `samples`, in hex.
-fn hash(samples: &[Sample]) -> String {
+fn hash(samples: &[ReplayTick]) -> String {
     let mut hash = Sha256::new();
-    for Sample { t_s, chi, chi_dot, tau, residual, usable } in samples {
+    for ReplayTick { t_s, chi, chi_dot, tau, residual, usable } in samples {
         let numbers = [chi, chi_dot, tau, residual].into_iter().flat_map(|part| part.iter());
         for number in std::iter::once(t_s).chain(numbers) {
             hash.update(number.to_le_bytes());
@@ -123,7 +123,7 @@ pub struct Series {
     /// `M_bar` of its residual.
     pub m_bar: Coords,
     /// Its ticks.
-    pub samples: Vec<Sample>,
+    pub samples: Vec<ReplayTick>,
 }
 
 impl Series {
@@ -133,7 +133,7 @@ impl Series {
     /// [`EvaluateError`] if it cannot be read or does not say its `M_bar`.
     pub fn read(path: &Path) -> Result<Self, EvaluateError> {
         let recording = read_recording(path)?;
-        let samples: Vec<Sample> = recording.ticks.iter().map(Sample::from).collect();
+        let samples: Vec<ReplayTick> = recording.ticks.iter().map(ReplayTick::from).collect();
         Ok(Self {
             file: path.to_owned(),
             sha256: hash(&samples),
@@ -230,7 +230,7 @@ impl Statistics {
 }
 
 /// Inputs and residual of a tick.
-pub(super) fn row(before: &Sample, now: &Sample) -> [f64; 4 * N] {
+pub(super) fn row(before: &ReplayTick, now: &ReplayTick) -> [f64; 4 * N] {
     let parts = [&now.chi, &now.chi_dot, &before.tau, &now.residual];
     std::array::from_fn(|i| parts[i / N][i % N])
 }

@@ -40,7 +40,7 @@ pub struct EpochRecord {
 
 /// The part of a checkpoint that is not tensors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct State {
+pub struct TrainState {
     /// Configuration of the training.
     pub config: TrainConfig,
     /// Seed.
@@ -59,7 +59,7 @@ pub struct State {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Checkpoint {
     /// The part that is not tensors.
-    pub state: State,
+    pub state: TrainState,
     /// The weights after the last epoch.
     pub weights: Parameters,
     /// The weights of the best epoch.
@@ -124,7 +124,7 @@ impl Checkpoint {
             .as_ref()
             .and_then(|pairs| pairs.get(KEY))
             .ok_or_else(|| unusable(&"not a checkpoint of `twin train`"))?;
-        let state: State = serde_json::from_str(text).map_err(|why| unusable(&why))?;
+        let state: TrainState = serde_json::from_str(text).map_err(|why| unusable(&why))?;
         let file = SafeTensors::deserialize(&bytes).map_err(|why| unusable(&why))?;
         let mut sets = Vec::new();
         for prefix in SETS {
@@ -186,7 +186,7 @@ mod tests {
             learning_rate: 1e-3,
             wall_s: 0.5,
         };
-        let state = State {
+        let state = TrainState {
             config: TrainConfig::default(),
             seed: 3,
             data_hash: "ab".to_owned(),

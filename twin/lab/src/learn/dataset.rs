@@ -10,7 +10,7 @@ use sha2::{Digest, Sha256};
 use super::LearnError;
 use super::foreign;
 use super::raw::Raw;
-use twin_core::notation::{N, ROWS};
+use twin_core::notation::{COORDINATE_NAMES, N};
 use twin_core::tick::{Adaptation, Tick};
 use twin_foreign::{OpenedFlight, recorded_nominal_inertia};
 use twin_record::{Recording, read_recording};
@@ -67,8 +67,10 @@ impl Dataset {
     /// Keeps the channels that every flight knows.
     fn join(raw: &[Raw]) -> Result<Self, LearnError> {
         let first = raw.first().ok_or(LearnError::NoData)?;
-        let names: Vec<String> =
-            STEMS.iter().flat_map(|stem| ROWS.map(|row| format!("{stem}.{row}"))).collect();
+        let names: Vec<String> = STEMS
+            .iter()
+            .flat_map(|stem| COORDINATE_NAMES.map(|row| format!("{stem}.{row}")))
+            .collect();
         let known = |of: fn(&Raw) -> &Vec<Option<Vec<f64>>>, index: usize| {
             raw.iter().all(|flight| of(flight)[index].is_some())
         };
@@ -87,14 +89,15 @@ impl Dataset {
             }
         }
         let missing_input = names.iter().enumerate().filter(|(i, _)| !inputs.contains(i));
-        let missing_output = ROWS.iter().enumerate().filter(|(i, _)| !outputs.contains(i));
+        let missing_output =
+            COORDINATE_NAMES.iter().enumerate().filter(|(i, _)| !outputs.contains(i));
         let left_out = missing_input
             .map(|(_, name)| name.clone())
             .chain(missing_output.map(|(_, row)| format!("r.{row}")))
             .collect();
         let mut set = Self {
             channel_names: inputs.iter().map(|i| names[*i].clone()).collect(),
-            output_names: outputs.iter().map(|i| ROWS[*i].to_owned()).collect(),
+            output_names: outputs.iter().map(|i| COORDINATE_NAMES[*i].to_owned()).collect(),
             nominal_inertia,
             flights: Vec::new(),
             left_out,

@@ -14,7 +14,7 @@ use nalgebra::DMatrix;
 use super::LearnError;
 use super::adam::{Adam, learning_rate};
 use super::baselines;
-use super::checkpoint::{self, Checkpoint, EpochRecord, State};
+use super::checkpoint::{self, Checkpoint, EpochRecord, TrainState};
 use super::config::TrainConfig;
 use super::dataset::Dataset;
 use super::device::device;
@@ -23,7 +23,7 @@ use super::file::write_whole;
 use super::graph::{Inputs, Leaves, Network, exclusive, mean_square, values};
 use super::parameters::Parameters;
 use super::regime::{Basis, second_moment};
-use super::windows::{Batch, Place, Windows, generator};
+use super::windows::{Batch, WindowEnd, Windows, generator};
 use twin_core::notation::TICK_S;
 use twin_core::residual::weights::{self, Acceptance, FORMAT, Head, ModelKind, Training, Weights};
 
@@ -124,7 +124,7 @@ impl<'a> Trainer<'a> {
             found.check_same(&path, request.config, request.seed, &data_hash)?;
             found
         } else {
-            let state = State {
+            let state = TrainState {
                 config: request.config.clone(),
                 seed: request.seed,
                 data_hash,
@@ -258,8 +258,8 @@ impl<'a> Trainer<'a> {
     }
 
     /// The mean of `of` over the windows in `places`; each window has the same weight.
-    fn over(&self, places: &[Place], of: impl Fn(Inputs) -> f64) -> f64 {
-        let part = |part: &[Place]| {
+    fn over(&self, places: &[WindowEnd], of: impl Fn(Inputs) -> f64) -> f64 {
+        let part = |part: &[WindowEnd]| {
             let batch = self.windows.batch(part, None);
             of(self.inputs(&batch, false, 1.0)) * part.len() as f64
         };

@@ -35,7 +35,7 @@ pub struct Normalisation {
 
 /// The end of a window: its flight and its newest tick `t`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Place {
+pub struct WindowEnd {
     /// Number of the flight.
     pub flight: usize,
     /// The newest tick of the window.
@@ -73,8 +73,8 @@ pub struct Windows {
     horizon: usize,
     /// The flights, z-scored.
     flights: Vec<FlightSeries>,
-    train: Vec<Place>,
-    validation: Vec<Place>,
+    train: Vec<WindowEnd>,
+    validation: Vec<WindowEnd>,
     /// For each channel, whether it gets noise; the applied forces do.
     noisy: Vec<bool>,
     noise: f32,
@@ -90,9 +90,9 @@ impl Windows {
         let places = |part: &dyn Fn(&FlightSeries) -> std::ops::Range<usize>| {
             let of = |(flight, series): (usize, &FlightSeries)| {
                 let ends = part(series).filter(|t| learnable(series, *t, horizon));
-                ends.map(|tick| Place { flight, tick }).collect::<Vec<_>>()
+                ends.map(|tick| WindowEnd { flight, tick }).collect::<Vec<_>>()
             };
-            data.flights.iter().enumerate().flat_map(of).collect::<Vec<Place>>()
+            data.flights.iter().enumerate().flat_map(of).collect::<Vec<WindowEnd>>()
         };
         let split = |s: &FlightSeries| (s.ticks() as f64 * (1.0 - config.validation)) as usize;
         let train = places(&|s| 0..split(s).saturating_sub(horizon));
@@ -135,23 +135,23 @@ impl Windows {
     }
 
     /// Every `stride`-th training window from an offset that is drawn for this epoch, shuffled. It depends on `seed` and `epoch` only.
-    pub fn epoch(&self, seed: u64, epoch: usize, stride: usize) -> Vec<Place> {
+    pub fn epoch(&self, seed: u64, epoch: usize, stride: usize) -> Vec<WindowEnd> {
         let mut random = generator(seed, epoch, 1);
         let offset = random.random_range(0..stride.max(1));
-        let due = |place: &&Place| place.tick % stride.max(1) == offset;
-        let mut places: Vec<Place> = self.train.iter().filter(due).copied().collect();
+        let due = |place: &&WindowEnd| place.tick % stride.max(1) == offset;
+        let mut places: Vec<WindowEnd> = self.train.iter().filter(due).copied().collect();
         places.shuffle(&mut random);
         places
     }
 
     /// The windows for validation, in order.
-    pub fn validation(&self) -> &[Place] {
+    pub fn validation(&self) -> &[WindowEnd] {
         &self.validation
     }
 
     /// The windows in `places`. With `noise`, the applied forces get white noise, so that the model does not rely on `tau_{t-1}` alone:
     /// at rest `r = tau`, and a loop that is closed over this leak has a limit cycle.
-    pub fn batch(&self, places: &[Place], noise: Option<&mut Pcg64Mcg>) -> Batch {
+    pub fn batch(&self, places: &[WindowEnd], noise: Option<&mut Pcg64Mcg>) -> Batch {
         let mut batch = Batch::default();
         batch.x.reserve(places.len() * self.channels * self.t_long);
         for place in places {

@@ -2,7 +2,7 @@
 
 use super::config::TrainConfig;
 use super::made::{dataset, tiny};
-use super::windows::{Place, Windows, generator};
+use super::windows::{WindowEnd, Windows, generator};
 use twin_core::elementary::squared;
 
 /// Rounding of one z-score.
@@ -12,7 +12,7 @@ const ROUNDING: f32 = 1e-5;
 fn a_window_holds_its_history_oldest_first_and_the_residual_from_its_newest_tick_on() {
     let (data, config) = (dataset(2, 300), tiny());
     let windows = Windows::new(&data, &config).unwrap();
-    let batch = windows.batch(&[Place { flight: 1, tick: 50 }], None);
+    let batch = windows.batch(&[WindowEnd { flight: 1, tick: 50 }], None);
     let (flight, z) = (&data.flights[1], &windows.normalisation);
     for channel in 1..4 {
         for t in 0..config.t_long {
@@ -31,7 +31,7 @@ fn a_window_holds_its_history_oldest_first_and_the_residual_from_its_newest_tick
 #[test]
 fn before_the_first_tick_the_oldest_value_is_held_as_in_flight() {
     let windows = Windows::new(&dataset(1, 300), &tiny()).unwrap();
-    let row = |tick| windows.batch(&[Place { flight: 0, tick }], None).x[20..40].to_vec();
+    let row = |tick| windows.batch(&[WindowEnd { flight: 0, tick }], None).x[20..40].to_vec();
     let (early, first) = (row(3), row(19)[0]);
     assert!(early[..17].iter().all(|v| (*v - first).abs() < f32::EPSILON), "{early:?}");
     assert!((early[17] - early[16]).abs() > f32::EPSILON);

@@ -6,7 +6,7 @@ use super::{Joint, JointKind, Robot};
 use twin_core::task::ToolKinematics;
 
 /// Most arm joints that have a coordinate in `chi`.
-const ROWS: usize = 2;
+const ARM_JOINTS: usize = 2;
 
 /// `world_from_link` of every link, m. `joint_positions` has one entry for each joint, rad or m. The entry of a mimicking joint is
 /// not read; a missing entry counts as zero.
@@ -59,7 +59,7 @@ struct SkeletonJoint {
 impl Skeleton {
     /// The skeleton whose free joints are `arm`, in the order of `q1 q2`: indices into `robot.joints`, at most the first two.
     pub(super) fn new(robot: &Robot, arm: &[usize]) -> Self {
-        let arm = &arm[..arm.len().min(ROWS)];
+        let arm = &arm[..arm.len().min(ARM_JOINTS)];
         let mut links = vec![(None, Isometry3::identity()); robot.links.len()];
         let mut free: Vec<Option<SkeletonJoint>> = vec![None; arm.len()];
         for (index, joint) in robot.joints.iter().enumerate() {
@@ -78,8 +78,8 @@ impl Skeleton {
     }
 
     /// `body_from_frame` of each arm joint's moved frame.
-    pub(super) fn frames(&self, q: &Vector2<f64>) -> [Isometry3<f64>; ROWS] {
-        let mut frames = [Isometry3::identity(); ROWS];
+    pub(super) fn frames(&self, q: &Vector2<f64>) -> [Isometry3<f64>; ARM_JOINTS] {
+        let mut frames = [Isometry3::identity(); ARM_JOINTS];
         for (row, frame) in frames.iter_mut().enumerate().take(self.joints.len()) {
             *frame = self.frame(row, q);
         }
@@ -103,7 +103,7 @@ impl Skeleton {
     pub(super) fn column(
         &self,
         row: usize,
-        frames: &[Isometry3<f64>; ROWS],
+        frames: &[Isometry3<f64>; ARM_JOINTS],
         point: &Vector3<f64>,
     ) -> Vector3<f64> {
         let Some(SkeletonJoint { joint, .. }) = self.joints.get(row) else {

@@ -14,12 +14,12 @@ use twin_core::notation::{Coords, GRAVITY_M_S2};
 #[derive(Clone, Debug)]
 pub struct Statics {
     skeleton: Skeleton,
-    lumps: Vec<Lump>,
+    lumps: Vec<LumpedMass>,
     mass_kg: f64,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Lump {
+struct LumpedMass {
     carrier: Option<usize>,
     mass_kg: f64,
     /// Centre of mass in the moved frame of the carrier, m.
@@ -70,7 +70,7 @@ impl Statics {
     }
 }
 
-fn lump(robot: &Robot, skeleton: &Skeleton, carrier: Option<usize>) -> Lump {
+fn lump(robot: &Robot, skeleton: &Skeleton, carrier: Option<usize>) -> LumpedMass {
     let mut mass_kg = 0.0;
     let mut moment = Vector3::zeros();
     for (link, (_, pose)) in
@@ -81,5 +81,5 @@ fn lump(robot: &Robot, skeleton: &Skeleton, carrier: Option<usize>) -> Lump {
         moment += link.inertial.mass_kg * com.coords;
     }
     let com = if mass_kg > 0.0 { moment / mass_kg } else { Vector3::zeros() };
-    Lump { carrier, mass_kg, com }
+    LumpedMass { carrier, mass_kg, com }
 }

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Broken, CheckError};
+use super::{CheckError, Violation};
 use twin_core::tick::{EventKind, Tick};
 
 /// A demand on the events of a flight.
@@ -17,7 +17,7 @@ pub struct EventCheck {
     pub text: Option<String>,
     /// Whether the event must happen or must not happen.
     #[serde(default)]
-    pub must: Must,
+    pub must: Expectation,
     /// Start of the time in which the event counts, s; the start of the flight if absent.
     pub from_s: Option<f64>,
     /// End of the time in which the event counts, s; the end of the flight if absent.
@@ -31,7 +31,7 @@ pub struct EventCheck {
 /// Whether an event must happen or must not happen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Must {
+pub enum Expectation {
     /// The event must happen at least once.
     #[default]
     Happen,
@@ -75,7 +75,7 @@ impl Events {
         }
     }
 
-    pub(super) fn finish(&self, last_s: f64) -> Vec<Broken> {
+    pub(super) fn finish(&self, last_s: f64) -> Vec<Violation> {
         self.checks.iter().filter_map(|check| check.broken(&self.seen, last_s)).collect()
     }
 }
@@ -86,7 +86,7 @@ impl EventCheck {
         Self {
             kind,
             text: None,
-            must: Must::Happen,
+            must: Expectation::Happen,
             from_s: None,
             by_s: None,
             after: None,
@@ -94,7 +94,7 @@ impl EventCheck {
         }
     }
 
-    fn broken(&self, seen: &[(f64, EventKind, String)], last_s: f64) -> Option<Broken> {
+    fn broken(&self, seen: &[(f64, EventKind, String)], last_s: f64) -> Option<Violation> {
         let fits = |wanted: EventKind, part: &Option<String>, event: &(f64, EventKind, String)| {
             event.1 == wanted && part.as_ref().is_none_or(|part| event.2.contains(part))
         };
@@ -116,9 +116,9 @@ impl EventCheck {
                 .find(|event| fits(self.kind, &self.text, event) && in_time(event.0))
         });
         let (found, at_s) = match (self.must, hit) {
-            (Must::Happen, Some(_)) | (Must::NotHappen, None) => return None,
-            (Must::NotHappen, Some((t_s, _, text))) => (format!("{text:?}"), *t_s),
-            (Must::Happen, None) => (
+            (Expectation::Happen, Some(_)) | (Expectation::NotHappen, None) => return None,
+            (Expectation::NotHappen, Some((t_s, _, text))) => (format!("{text:?}"), *t_s),
+            (Expectation::Happen, None) => (
                 match of_kind().next() {
                     Some((t_s, ..)) => format!("one at {t_s:.2} s only"),
                     None => "none".to_owned(),
@@ -128,7 +128,7 @@ impl EventCheck {
         };
         let name = word(self.kind);
         let part = self.text.as_ref().map_or_else(String::new, |text| format!(" with {text:?}"));
-        Some(Broken {
+        Some(Violation {
             what: format!("event {name}{part}"),
             name,
             value: None,
@@ -140,8 +140,8 @@ impl EventCheck {
 
     fn allowed(&self) -> String {
         let mut words = match self.must {
-            Must::Happen => "at least one",
-            Must::NotHappen => "none",
+            Expectation::Happen => "at least one",
+            Expectation::NotHappen => "none",
         }
         .to_owned();
         if let Some(kind) = self.after {
@@ -202,7 +202,7 @@ mod tests {
 
     #[test]
     fn what_must_not_happen_is_told_with_the_second_at_which_it_did() {
-        let never = EventCheck { must: Must::NotHappen, ..check(EventKind::Reset) };
+        let never = EventCheck { must: Expectation::NotHappen, ..check(EventKind::Reset) };
         let (text, at_s) = broken(&never).unwrap();
         assert!(text.contains("covariance reset") && (at_s - 2.0).abs() < f64::EPSILON, "{text}");
         let other = EventCheck { text: Some("weights".into()), ..never.clone() };

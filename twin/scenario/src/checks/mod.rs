@@ -45,7 +45,7 @@ pub struct Check {
 
 /// A demand of a scenario that its flight did not meet.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Broken {
+pub struct Violation {
     /// Name of the metric or signal, `verdict`, the kind of an event, or `state_hash`.
     pub name: String,
     /// The demand in words, with its statistic and window.
@@ -60,7 +60,7 @@ pub struct Broken {
     pub at_s: f64,
 }
 
-impl std::fmt::Display for Broken {
+impl std::fmt::Display for Violation {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { what, found, allowed, at_s, .. } = self;
         write!(f, "{what}: found {found}, allowed {allowed}, broken at {at_s:.2} s")
@@ -159,9 +159,9 @@ impl Checks {
     }
 
     /// The broken checks in the order of the scenario: first `checks`, then `events`.
-    pub fn finish(self) -> Vec<Broken> {
+    pub fn finish(self) -> Vec<Violation> {
         let last_s = self.last_s;
-        let mut broken: Vec<Broken> =
+        let mut broken: Vec<Violation> =
             self.windows.iter().filter_map(|window| window.broken(last_s)).collect();
         broken.extend(self.events.finish(last_s));
         broken
@@ -174,7 +174,7 @@ pub(super) fn signal(name: &str, tick: &Tick) -> Option<f64> {
 }
 
 impl Window {
-    fn broken(&self, last_s: f64) -> Option<Broken> {
+    fn broken(&self, last_s: f64) -> Option<Violation> {
         let Check { statistic, quantile, min, max, .. } = &self.check;
         let quantile = quantile.unwrap_or(1.0);
         let found = statistic.value(&self.samples, quantile);
@@ -183,7 +183,7 @@ impl Window {
             None => Some(last_s),
             Some(_) => statistic.breach(&self.samples, quantile, *min, *max),
         };
-        breach.map(|at_s| Broken {
+        breach.map(|at_s| Violation {
             name: self.check.signal.clone(),
             what: self.check.words(),
             value: found,

@@ -16,12 +16,12 @@ pub struct Case {
     /// Overrides `key=value`; the seed is one of them.
     pub overrides: Vec<String>,
     /// Its sample, if the case belongs to a sweep.
-    pub sample: Option<Sample>,
+    pub sample: Option<SweepSample>,
 }
 
 /// One sample of a sweep.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Sample {
+pub struct SweepSample {
     /// Name of the sweep.
     pub sweep: String,
     /// Value of each key of the sweep, in the order of the keys.

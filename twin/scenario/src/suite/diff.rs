@@ -17,14 +17,14 @@ pub struct Difference {
     /// Number of ticks that are not equal.
     pub unequal: usize,
     /// The first difference.
-    pub first: Option<Parting>,
+    pub first: Option<FirstDifference>,
     /// The largest difference per channel, largest first. A different word (phase, event) counts as 1.
     pub channels: Vec<Channel>,
 }
 
 /// The first difference between two flights.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Parting {
+pub struct FirstDifference {
     /// Index of the tick.
     pub tick: u64,
     /// Its time in the first flight, s.
@@ -78,7 +78,7 @@ pub fn diff(a: &[Tick], b: &[Tick]) -> Difference {
         found.unequal += 1;
         let t_s = left.measurement.t_s;
         if found.first.is_none() {
-            found.first = differing.first().map(|(channel, _, values)| Parting {
+            found.first = differing.first().map(|(channel, _, values)| FirstDifference {
                 tick: left.index,
                 t_s,
                 channel: channel.clone(),

@@ -19,7 +19,7 @@ mod picture;
 pub mod page;
 pub mod diff;
 
-pub use case::{Case, Sample, Shard};
+pub use case::{Case, Shard, SweepSample};
 pub use merge::{MergeError, merge};
 pub use plan::{Plan, Selection, SelectionError, plan};
 pub use report::{Successes, SuiteReport};

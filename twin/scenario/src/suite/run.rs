@@ -12,7 +12,7 @@ use super::plan::Plan;
 use super::record;
 use super::report::SuiteReport;
 use super::result::{CaseResult, Outcome};
-use crate::{Broken, Report, Scenario, fly};
+use crate::{Report, Scenario, Violation, fly};
 
 /// Options of a run.
 #[derive(Clone, Debug, Default)]
@@ -168,7 +168,7 @@ pub(super) fn compare_repeats(results: &mut [CaseResult]) {
         let known = report.broken.iter().any(|broken| broken.name == "state_hash");
         if *expected != report.state_hash && !known {
             report.passed = false;
-            report.broken.push(Broken {
+            report.broken.push(Violation {
                 name: "state_hash".to_owned(),
                 what: "state_hash".to_owned(),
                 value: None,

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::case::{Case, Sample};
+use super::case::{Case, SweepSample};
 use super::result::{CaseResult, Outcome};
 use super::share::wilson_95;
 use crate::Scenario;
@@ -70,7 +70,7 @@ pub(super) fn expand(
             name: format!("{name} sample {:0digits$}", number + 1),
             file: file.to_owned(),
             overrides: overrides.iter().cloned().chain(set).collect(),
-            sample: Some(Sample { sweep: name.to_owned(), values }),
+            sample: Some(SweepSample { sweep: name.to_owned(), values }),
         }
     };
     Some((plan, samples.into_iter().enumerate().map(case).collect()))

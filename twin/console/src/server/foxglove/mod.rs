@@ -26,11 +26,11 @@ use tokio::task::JoinHandle;
 use crate::server::App;
 use crate::server::foxglove::assets::Assets;
 use crate::server::foxglove::parameters::{Gains, parameters};
-use crate::server::foxglove::playback::{Film, Playback};
+use crate::server::foxglove::playback::{PlaybackFilter, PlaybackRequests};
 use crate::server::foxglove::topics::{Topics, nanoseconds};
 use crate::server::hub::Client;
-use crate::server::outbox::{Message, Parcel};
-use crate::server::place::Beside;
+use crate::server::listen::Beside;
+use crate::server::outbox::{Message, OutboxContent};
 use crate::server::protocol::ServerMessage;
 use crate::server::telemetry::Telemetry;
 
@@ -51,7 +51,7 @@ struct Listener {
     bridge: Arc<Client>,
     /// A client has subscribed, and the bodies that do not move have not been sent to it.
     waiting: AtomicBool,
-    playback: Option<Arc<Playback>>,
+    playback: Option<Arc<PlaybackRequests>>,
 }
 
 impl ServerListener for Listener {
@@ -78,7 +78,7 @@ pub(super) async fn start(
     app: Arc<App>,
 ) -> Result<(SocketAddr, JoinHandle<()>), String> {
     let bridge = app.hub.join().ok_or("too many clients")?;
-    let playback = Playback::new(&app, &bridge).map(Arc::new);
+    let playback = PlaybackRequests::new(&app, &bridge).map(Arc::new);
     let listener = Arc::new(Listener {
         bridge: Arc::clone(&bridge),
         waiting: AtomicBool::new(false),
@@ -105,7 +105,7 @@ pub(super) async fn start(
         error.to_string()
     })?;
     let address = SocketAddr::new(host, server.port());
-    let film = playback.map(Film::new);
+    let film = playback.map(PlaybackFilter::new);
     let topics = Topics::new(&context, vehicles, recorded_joints);
     let publisher = Publisher { server, topics, film };
     Ok((address, tokio::spawn(publisher.run(listener, app))))
@@ -115,7 +115,7 @@ pub(super) async fn start(
 struct Publisher {
     server: WebSocketServerHandle,
     topics: Topics,
-    film: Option<Film>,
+    film: Option<PlaybackFilter>,
 }
 
 impl Publisher {
@@ -140,14 +140,14 @@ impl Publisher {
         let _ = tokio::time::timeout(CLOSING, self.server.stop().wait()).await;
     }
 
-    fn tell(&mut self, parcel: Parcel) {
+    fn tell(&mut self, parcel: OutboxContent) {
         for message in parcel.messages {
             match message {
                 Message::Hello(published) => {
                     self.topics.begin(&published);
                     self.server.publish_parameter_values(parameters(&published.gains));
                 }
-                Message::Told(told) => self.pass_on(&told.message),
+                Message::Shared(told) => self.pass_on(&told.message),
             }
         }
         let telemetry = match (&mut self.film, parcel.telemetry) {
@@ -167,7 +167,7 @@ impl Publisher {
                 self.server.publish_parameter_values(parameters(&list.gains));
             }
             ServerMessage::Events { events } => {
-                if !self.film.as_ref().is_some_and(Film::is_under_way) {
+                if !self.film.as_ref().is_some_and(PlaybackFilter::is_under_way) {
                     self.topics.log(events);
                 }
             }

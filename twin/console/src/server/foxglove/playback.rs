@@ -18,7 +18,7 @@ use crate::server::telemetry::Telemetry;
 const SAME_SPEED: f64 = 1e-4;
 
 /// Handles the requests of the timeline, which come from Foxglove's threads.
-pub(super) struct Playback {
+pub(super) struct PlaybackRequests {
     app: Arc<App>,
     bridge: Arc<Client>,
     info: Arc<MirrorInfo>,
@@ -26,7 +26,7 @@ pub(super) struct Playback {
     announced: AtomicBool,
 }
 
-impl Playback {
+impl PlaybackRequests {
     /// `None` if no recording is mirrored.
     pub(super) fn new(app: &Arc<App>, bridge: &Arc<Client>) -> Option<Self> {
         Some(Self {
@@ -95,15 +95,15 @@ enum Seek {
 }
 
 /// Chooses for the publisher the rows and the playback states that Foxglove gets.
-pub(super) struct Film {
-    playback: Arc<Playback>,
+pub(super) struct PlaybackFilter {
+    playback: Arc<PlaybackRequests>,
     seek: Seek,
     told: Option<(PlaybackStatus, u32)>,
 }
 
-impl Film {
+impl PlaybackFilter {
     /// Starts with a seek under way, because the playback may start in the middle of the recording.
-    pub(super) fn new(playback: Arc<Playback>) -> Self {
+    pub(super) fn new(playback: Arc<PlaybackRequests>) -> Self {
         Self { playback, seek: Seek::UnderWay(None), told: None }
     }
 

@@ -137,9 +137,9 @@ impl Drawing {
 
 /// Poses that a client has got, in the order of the moving nodes.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Told(Vec<[f32; 7]>);
+pub(super) struct SentPoses(Vec<[f32; 7]>);
 
-impl Told {
+impl SentPoses {
     /// Index and pose of each node that has moved. The caller must send them, because they count as sent. A node with an unknown
     /// pose stays in place.
     pub(super) fn news<'a>(
@@ -228,7 +228,7 @@ mod tests {
 
     #[test]
     fn a_pose_is_told_once_and_one_that_is_unknown_not_at_all() {
-        let mut told = Told::default();
+        let mut told = SentPoses::default();
         let at = |x: f32| [x, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
         let mut news = |poses: [[f32; 7]; 2]| {
             told.news(poses.into_iter().map(|pose| ("", pose))).collect::<Vec<_>>()

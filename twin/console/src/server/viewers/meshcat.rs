@@ -9,7 +9,7 @@ use rmpv::Value;
 use crate::server::App;
 use crate::server::client::{Dialect, shown};
 use crate::server::hub::Client;
-use crate::server::outbox::{Message, Parcel};
+use crate::server::outbox::{Message, OutboxContent};
 use crate::server::protocol::{ClientMessage, ServerMessage};
 use crate::server::published::Published;
 use crate::server::telemetry::Picture;
@@ -25,7 +25,7 @@ use crate::server::viewers::meshcat_object::{
     Mover, needle_matrix, set_line_segments, set_needle, set_object, set_transform,
 };
 use crate::server::viewers::pack::{self, map, numbers};
-use crate::server::viewers::watched::{Watched, understood};
+use crate::server::viewers::viewer_state::{ViewerState, understood};
 
 /// Start of the name of a button that shows or hides a layer; its label follows.
 const TOGGLE: &str = "Show / hide ";
@@ -42,12 +42,12 @@ pub(super) const TARGET_Y_UP: [f64; 3] = [0.5, 0.7, 0.0];
 /// One connection of a MeshCat viewer.
 #[derive(Default)]
 pub(in crate::server) struct MeshCat {
-    state: Mutex<State>,
+    state: Mutex<MeshCatState>,
 }
 
 #[derive(Default)]
-struct State {
-    watched: Watched,
+struct MeshCatState {
+    watched: ViewerState,
     /// Commands that move the nodes, in the order of the moving nodes.
     movers: Vec<Mover>,
     pointers: Vec<Mover>,
@@ -74,13 +74,13 @@ impl Sheet {
 impl Dialect for MeshCat {
     const ONE_IN_FLIGHT: bool = true;
 
-    fn compose(&self, parcel: Parcel, _: &Client, now_s: f64) -> Vec<Frame> {
+    fn compose(&self, parcel: OutboxContent, _: &Client, now_s: f64) -> Vec<Frame> {
         let mut sheet = Sheet::default();
         let mut state = self.state();
         for message in parcel.messages {
             match message {
                 Message::Hello(published) => state.begin(&published, &mut sheet),
-                Message::Told(told) => state.hear(&told.message, &mut sheet),
+                Message::Shared(told) => state.hear(&told.message, &mut sheet),
             }
         }
         if let Some(telemetry) = parcel.telemetry {
@@ -88,7 +88,7 @@ impl Dialect for MeshCat {
             state.watched.extend(&telemetry);
         }
         state.point(now_s, &mut sheet);
-        let Watched { trails, layers, sliders, .. } = &mut state.watched;
+        let ViewerState { trails, layers, sliders, .. } = &mut state.watched;
         let trails = trails.due(now_s).into_iter();
         sheet.extend(trails.map(|(path, rgb, ends)| set_line_segments(path, rgb, ends)));
         let changes = layers.changes().into_iter();
@@ -125,12 +125,12 @@ impl Dialect for MeshCat {
 }
 
 impl MeshCat {
-    fn state(&self) -> MutexGuard<'_, State> {
+    fn state(&self) -> MutexGuard<'_, MeshCatState> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-impl State {
+impl MeshCatState {
     /// Draws the scene of a new flight; for a new client also sets the camera and creates the controls.
     fn begin(&mut self, published: &Published, sheet: &mut Sheet) {
         let first = self.watched.is_new();

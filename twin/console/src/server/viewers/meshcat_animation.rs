@@ -2,17 +2,17 @@
 
 use rmpv::Value;
 
-use crate::server::viewers::flown::{Flown, PICTURES_HZ};
 use crate::server::viewers::meshcat::{CAMERA, CAMERA_Y_UP};
 use crate::server::viewers::meshcat_command::set_property;
 use crate::server::viewers::meshcat_object::{set_line_segments, set_object, set_transform};
 use crate::server::viewers::pack::{map, numbers};
+use crate::server::viewers::recorded_drawing::{PICTURES_HZ, RecordedDrawing};
 
 /// A key frame: number of frames after the start, and pose `[x y z w x y z]` in the world, m.
 type Key = (u32, [f64; 7]);
 
 /// The commands that draw the flight and play it.
-pub(super) fn commands(flown: &Flown) -> Vec<Value> {
+pub(super) fn commands(flown: &RecordedDrawing) -> Vec<Value> {
     let drawing = &flown.drawing;
     let mut commands: Vec<Value> = drawing.parts.iter().map(set_object).collect();
     commands.extend(drawing.nodes.iter().map(|node| set_transform(&node.path, node.pose)));
@@ -31,7 +31,7 @@ pub(super) fn commands(flown: &Flown) -> Vec<Value> {
 }
 
 /// The known poses of one node as key frames. A pose between two equal poses is left out.
-fn keys(flown: &Flown, index: usize) -> Vec<Key> {
+fn keys(flown: &RecordedDrawing, index: usize) -> Vec<Key> {
     let poses = flown.pictures.iter().filter_map(|(t_s, picture)| {
         let pose = picture.poses.iter().chain([&picture.ghost]).nth(index)?;
         let frame = (t_s * f64::from(PICTURES_HZ)).round() as u32;

@@ -9,19 +9,19 @@ use rmpv::Value;
 use crate::server::App;
 use crate::server::client::{Dialect, shown};
 use crate::server::hub::Client;
-use crate::server::outbox::{Message, Parcel};
+use crate::server::outbox::{Message, OutboxContent};
 use crate::server::protocol::{ClientMessage, EventInfo, ServerMessage};
 use crate::server::published::Published;
 use crate::server::telemetry::Telemetry;
+use crate::server::viewers::attitude_marks::AttitudeMarks;
 use crate::server::viewers::chart::History;
 use crate::server::viewers::controls::Button;
 use crate::server::viewers::pack::{self, map, numbers};
+use crate::server::viewers::viewer_state::{ViewerState, not_understood, understood};
 use crate::server::viewers::viser_frame::Batch;
 use crate::server::viewers::viser_move::Mover;
 use crate::server::viewers::viser_panel::{self as panel, BUTTON, CHARTS, GAIN, SCENARIO, SHOW};
 use crate::server::viewers::viser_scene as scene;
-use crate::server::viewers::watched::{Watched, not_understood, understood};
-use crate::server::viewers::waymarks::Waymarks;
 use twin_core::tick::EventKind;
 
 /// The least time between two updates of the charts, s. It is long because an update sends the whole curves.
@@ -37,15 +37,15 @@ pub(super) const LOOK_AT_M: [f64; 3] = [0.5, 0.0, 0.7];
 /// One connection of a viser client.
 #[derive(Default)]
 pub(in crate::server) struct Viser {
-    state: Mutex<State>,
+    state: Mutex<ViserState>,
 }
 
 #[derive(Default)]
-struct State {
-    watched: Watched,
+struct ViserState {
+    watched: ViewerState,
     /// Messages that move the nodes, in the order of the moving nodes.
     movers: Vec<Mover>,
-    waymarks: Waymarks,
+    waymarks: AttitudeMarks,
     histories: Vec<History>,
     charts_stale: bool,
     charts_due_s: f64,
@@ -57,13 +57,13 @@ struct State {
 impl Dialect for Viser {
     const ONE_IN_FLIGHT: bool = true;
 
-    fn compose(&self, parcel: Parcel, _: &Client, now_s: f64) -> Vec<Frame> {
+    fn compose(&self, parcel: OutboxContent, _: &Client, now_s: f64) -> Vec<Frame> {
         let mut batch = Batch::default();
         let mut state = self.state();
         for message in parcel.messages {
             match message {
                 Message::Hello(published) => state.begin(&published, &mut batch),
-                Message::Told(told) => state.hear(&told.message, now_s, &mut batch),
+                Message::Shared(told) => state.hear(&told.message, now_s, &mut batch),
             }
         }
         if let Some(telemetry) = parcel.telemetry {
@@ -118,7 +118,7 @@ impl Dialect for Viser {
 }
 
 impl Viser {
-    fn state(&self) -> MutexGuard<'_, State> {
+    fn state(&self) -> MutexGuard<'_, ViserState> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -137,7 +137,7 @@ impl Viser {
     }
 }
 
-impl State {
+impl ViserState {
     /// Draws the scene of a new flight; for a new client also sets the camera and builds the panel.
     fn begin(&mut self, published: &Published, batch: &mut Batch) {
         let first = self.watched.is_new();
@@ -159,7 +159,7 @@ impl State {
         scene::draw_live(batch);
         let moving = self.watched.drawing.moving.iter();
         self.movers = moving.map(|path| Mover::new(path)).collect();
-        self.waymarks = Waymarks::new(&published.channels);
+        self.waymarks = AttitudeMarks::new(&published.channels);
         let history = |chart: &panel::Chart| {
             let names: Vec<&str> = chart.series.iter().map(|(name, ..)| *name).collect();
             History::new(&names, &published.channels)

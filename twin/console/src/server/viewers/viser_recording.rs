@@ -2,16 +2,16 @@
 //! Each message has its time.
 
 use crate::server::viewers::VISER;
-use crate::server::viewers::drawing::Told;
-use crate::server::viewers::flown::Flown;
+use crate::server::viewers::drawing::SentPoses;
 use crate::server::viewers::pack::{map, numbers};
+use crate::server::viewers::recorded_drawing::RecordedDrawing;
 use crate::server::viewers::viser::{CAMERA_M, LOOK_AT_M};
 use crate::server::viewers::viser_frame::Batch;
 use crate::server::viewers::viser_move::Mover;
 use crate::server::viewers::viser_scene as scene;
 
 /// The inner bytes of a `.viser` file.
-pub(super) fn inner(flown: &Flown) -> Vec<u8> {
+pub(super) fn inner(flown: &RecordedDrawing) -> Vec<u8> {
     let mut batch = Batch::default();
     for (kind, key, value) in [
         ("SetCameraPositionMessage", "position", CAMERA_M),
@@ -26,7 +26,7 @@ pub(super) fn inner(flown: &Flown) -> Vec<u8> {
     }
     let mut times_s = vec![0.0; batch.len()];
     let movers: Vec<Mover> = flown.drawing.moving.iter().map(|path| Mover::new(path)).collect();
-    let mut told = Told::default();
+    let mut told = SentPoses::default();
     let mut duration_s = 0.0;
     for (t_s, picture) in &flown.pictures {
         for (node, pose) in told.news(flown.drawing.poses(picture)) {

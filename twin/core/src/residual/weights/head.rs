@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::WeightsError;
-use crate::notation::{Coords, N, ROWS};
+use crate::notation::{COORDINATE_NAMES, Coords, N};
 
 /// Format of the head that this program reads and writes.
 pub const FORMAT: u32 = 1;
@@ -126,13 +126,13 @@ impl std::fmt::Display for Acceptance {
 pub fn channel_names() -> Vec<String> {
     ["chi", "chi_dot", "tau"]
         .iter()
-        .flat_map(|stem| ROWS.iter().map(move |row| format!("{stem}.{row}")))
+        .flat_map(|stem| COORDINATE_NAMES.iter().map(move |row| format!("{stem}.{row}")))
         .collect()
 }
 
 /// Names of the residual's coordinates.
 pub fn output_names() -> Vec<String> {
-    ROWS.iter().map(|row| (*row).to_owned()).collect()
+    COORDINATE_NAMES.iter().map(|row| (*row).to_owned()).collect()
 }
 
 impl Head {
@@ -213,7 +213,7 @@ impl Head {
         for row in 0..N.min(self.m_bar.len()) {
             let (found, expected) = (self.m_bar[row], m_bar[row]);
             if (found - expected).abs() > INERTIA_TOLERANCE * expected.abs() {
-                return Err(WeightsError::Inertia { row: ROWS[row], found, expected });
+                return Err(WeightsError::Inertia { row: COORDINATE_NAMES[row], found, expected });
             }
         }
         if (self.rate_hz - rate_hz).abs() > RATE_TOLERANCE_HZ {

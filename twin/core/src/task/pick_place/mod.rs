@@ -24,7 +24,7 @@ use signals::Signals;
 
 /// The pick-and-place task: the cube, the path and the place.
 #[derive(Clone, Debug)]
-pub struct Mission {
+pub struct PickPlacePlan {
     /// Base position at the start, m.
     pub start: Vector3<f64>,
     /// Transport path of the base.
@@ -49,7 +49,7 @@ pub struct Mission {
 
 /// The task's state.
 pub struct PickPlace {
-    mission: Mission,
+    mission: PickPlacePlan,
     arm: Arc<dyn ToolKinematics>,
     path: TimedPath,
     motion: Motion,
@@ -94,7 +94,7 @@ impl Mean {
 
 impl PickPlace {
     /// The task at the start of `mission`.
-    pub fn new(mission: Mission, arm: Arc<dyn ToolKinematics>) -> Self {
+    pub fn new(mission: PickPlacePlan, arm: Arc<dyn ToolKinematics>) -> Self {
         let (start, joints) = (mission.start, mission.transit_joints);
         let path = TimedPath::new(mission.path, mission.speed_m_s);
         Self {

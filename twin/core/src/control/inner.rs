@@ -16,7 +16,7 @@ const RATE_LOOP_RAD_S: f64 = 15.0;
 
 /// The inner loop with its command filter.
 #[derive(Clone, Debug)]
-pub struct Rows {
+pub struct InnerController {
     filter: CommandFilter,
     allocation: Allocation,
     attitude_inertia: Vector3<f64>,
@@ -25,7 +25,7 @@ pub struct Rows {
     dt_s: f64,
 }
 
-impl Rows {
+impl InnerController {
     /// Rows for a vehicle: effective inertia about roll, pitch, yaw in kg m², torque limit of each joint in N m, largest desired
     /// roll and pitch in rad, period in s.
     pub fn new(
@@ -110,7 +110,7 @@ fn robust_factor(setpoint: &Setpoint) -> f64 {
         / setpoint.sliding_norm.max(setpoint.rows.boundary_layer).max(f64::MIN_POSITIVE)
 }
 
-impl InnerLoop for Rows {
+impl InnerLoop for InnerController {
     fn command(&mut self, setpoint: &Setpoint, state: &InnerState) -> ActuatorCommand {
         let force = &setpoint.force_in_world_n;
         let tilt = tilt_from_force(force, setpoint.yaw_des[0], self.tilt_limit_rad);

@@ -6,13 +6,13 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// The values that were used last, by number.
 #[derive(Debug)]
-pub(super) struct Kept<T> {
+pub(super) struct RecentCache<T> {
     /// The last used value is last; an empty slot is a value that is being made.
     slots: Mutex<VecDeque<(usize, Arc<OnceLock<T>>)>>,
     most: usize,
 }
 
-impl<T: Clone> Kept<T> {
+impl<T: Clone> RecentCache<T> {
     /// A cache of at most `most` values; it keeps at least one.
     pub(super) fn new(most: usize) -> Self {
         Self { slots: Mutex::default(), most: most.max(1) }
@@ -70,7 +70,7 @@ mod tests {
     #[test]
     fn a_value_is_made_once_however_many_ask_for_it_at_once() {
         const THREADS: usize = 8;
-        let (kept, made) = (Kept::new(4), AtomicUsize::new(0));
+        let (kept, made) = (RecentCache::new(4), AtomicUsize::new(0));
         let together = Barrier::new(THREADS);
         std::thread::scope(|scope| {
             for _ in 0..THREADS {
@@ -86,7 +86,7 @@ mod tests {
 
     #[test]
     fn what_is_not_good_enough_is_made_anew_and_the_oldest_is_forgotten() {
-        let kept = Kept::new(2);
+        let kept = RecentCache::new(2);
         assert_eq!(kept.get(1, |_| true, || 5), 5);
         assert_eq!(kept.get(1, |value| *value >= 5, || 6), 5);
         assert_eq!(kept.get(1, |value| *value >= 6, || 6), 6);

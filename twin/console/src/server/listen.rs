@@ -16,7 +16,7 @@ const SEND_BUFFER: u32 = 64 * 1024;
 const BACKLOG: u32 = 128;
 
 /// The addresses of the servers, and the files that they serve.
-pub(super) struct Place {
+pub(super) struct ListenOptions {
     /// A loopback name or address for both servers.
     pub host: String,
     /// Port of the console; 0 takes any free one.

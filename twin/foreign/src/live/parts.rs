@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use super::super::clock::{Timebase, common_ns};
 use super::super::effort::Settled;
-use super::super::film::Footage;
 use super::super::gather::Track;
 use super::super::opened::OpenedFlight;
+use super::super::playback::PartReader;
 use super::super::recorded::{Reading, RecordedFlight, on_times};
 use super::super::signals::{Signals, bases_as, signals_as};
 use super::super::topics::Map;
@@ -25,7 +25,7 @@ const BLOCK_TICKS: usize = 50;
 
 /// A flight that is still going on, with the sources, clocks and gains that were chosen for it once.
 #[derive(Debug)]
-struct LiveFootage {
+struct LiveParts {
     shared: Arc<Shared>,
     chosen: Signals,
     settled: Settled,
@@ -35,7 +35,7 @@ struct LiveFootage {
 /// Opens the flight in `shared`: chooses and fits by its last minute, and reads on as messages arrive.
 pub(super) fn opened(shared: &Arc<Shared>) -> Option<OpenedFlight> {
     let opened = shared.judged()?;
-    let footage = LiveFootage {
+    let parts = LiveParts {
         shared: Arc::clone(shared),
         chosen: opened.signals.clone(),
         settled: Settled {
@@ -45,10 +45,10 @@ pub(super) fn opened(shared: &Arc<Shared>) -> Option<OpenedFlight> {
         },
         map: opened.map.clone(),
     };
-    Some(OpenedFlight { long: Some(Arc::new(footage)), ..opened })
+    Some(OpenedFlight { long: Some(Arc::new(parts)), ..opened })
 }
 
-impl Footage for LiveFootage {
+impl PartReader for LiveParts {
     /// Number of ticks that are old enough for all their messages to have arrived.
     fn ticks(&self) -> usize {
         let state = self.shared.state();

@@ -18,13 +18,13 @@ const CHANNELS: [&str; 6] = ["chi.x", "chi.y", "chi.z", "chi.phi", "chi.theta", 
 
 /// The marks of one client.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Waymarks {
+pub(super) struct AttitudeMarks {
     places: Option<[usize; CHANNELS.len()]>,
     marks: VecDeque<[f32; 7]>,
     stale: bool,
 }
 
-impl Waymarks {
+impl AttitudeMarks {
     /// No marks, for rows with these channels.
     pub(super) fn new(channels: &[ChannelInfo]) -> Self {
         let found = CHANNELS.map(|name| channels.iter().position(|info| info.name == name));
@@ -67,7 +67,7 @@ mod tests {
     #[test]
     fn each_second_leaves_a_mark_with_its_attitude_and_the_oldest_go() {
         let channels = CHANNELS.map(channel);
-        let mut marks = Waymarks::new(&channels);
+        let mut marks = AttitudeMarks::new(&channels);
         let quarter = std::f32::consts::FRAC_PI_2;
         // The vehicle is turned to the left by a quarter turn.
         let row = |tick: u64| vec![tick as f32, 0.0, 1.0, 0.0, 0.0, quarter];

@@ -20,7 +20,7 @@ fn yaw(tick: usize) -> f64 {
     tick as f64 * TURN_RAD
 }
 
-impl Footage for Turning {
+impl PartReader for Turning {
     fn ticks(&self) -> usize {
         TICKS
     }
@@ -32,9 +32,9 @@ impl Footage for Turning {
             let mut chi = [Some(tick as f64); N];
             chi[PSI] = Some(yaw(tick) - turns);
             if (700..720).contains(&tick) {
-                Instant::default()
+                RecordedTick::default()
             } else {
-                Instant { chi, ..Instant::default() }
+                RecordedTick { chi, ..RecordedTick::default() }
             }
         };
         RecordedFlight {
@@ -55,16 +55,16 @@ impl Footage for Turning {
     }
 }
 
-fn played(film: &Arc<Film>, first: usize) -> Vec<Measurement> {
-    let mut source = RecordedSource::new(film, first).unwrap();
+fn played(playback: &Arc<Playback>, first: usize) -> Vec<Measurement> {
+    let mut source = RecordedSource::new(playback, first).unwrap();
     (first..TICKS).map(|_| source.play()).collect()
 }
 
 #[test]
 fn yaw_goes_on_over_the_edges_of_blocks_and_nothing_is_made_up_for_unknown_coordinates() {
-    let footage: Arc<dyn Footage> = Arc::new(Turning::default());
-    let film = Arc::new(Film::of(&footage));
-    let all = played(&film, 0);
+    let parts: Arc<dyn PartReader> = Arc::new(Turning::default());
+    let playback = Arc::new(Playback::of(&parts));
+    let all = played(&playback, 0);
     assert_eq!(all.len(), TICKS);
     for (tick, measurement) in all.iter().enumerate() {
         if (700..720).contains(&tick) {
@@ -79,7 +79,7 @@ fn yaw_goes_on_over_the_edges_of_blocks_and_nothing_is_made_up_for_unknown_coord
         }
     }
     // From the middle it is the same but for whole turns.
-    for (ours, whole) in played(&film, 1200).iter().zip(&all[1200..]) {
+    for (ours, whole) in played(&playback, 1200).iter().zip(&all[1200..]) {
         assert!(wrap_angle(ours.chi[PSI] - whole.chi[PSI]).abs() < 1e-9);
         assert_eq!(ours.t_s.to_bits(), whole.t_s.to_bits());
     }
@@ -88,28 +88,28 @@ fn yaw_goes_on_over_the_edges_of_blocks_and_nothing_is_made_up_for_unknown_coord
 #[test]
 fn a_block_on_the_shelf_is_not_read_again_and_the_shelf_is_bounded() {
     let turning = Arc::new(Turning::default());
-    let footage: Arc<dyn Footage> = turning.clone();
-    let shelf = Shelf::new(footage);
+    let parts: Arc<dyn PartReader> = turning.clone();
+    let cache = BlockCache::new(parts);
     for _ in 0..3 {
         for number in 0..4 {
-            shelf.block(number, 0);
+            cache.block(number, 0);
         }
     }
     assert_eq!(turning.reads.load(Ordering::Relaxed), 4);
     for number in 0..10 * KEPT_TICKS / BLOCK_TICKS {
-        shelf.block(number, 0);
-        assert!(shelf.blocks.len() * BLOCK_TICKS <= KEPT_TICKS);
+        cache.block(number, 0);
+        assert!(cache.blocks.len() * BLOCK_TICKS <= KEPT_TICKS);
     }
-    assert_eq!(shelf.block(4, 0).len(), TICKS - 4 * BLOCK_TICKS);
+    assert_eq!(cache.block(4, 0).len(), TICKS - 4 * BLOCK_TICKS);
 }
 
 #[test]
 fn nothing_is_beyond_the_end() {
-    let footage: Arc<dyn Footage> = Arc::new(Turning::default());
-    let film = Arc::new(Film::of(&footage));
-    assert!(RecordedSource::new(&film, TICKS).is_none());
-    assert_eq!(Cursor::new(&film).frame(TICKS), None);
-    let mut source = RecordedSource::new(&film, TICKS - 1).unwrap();
+    let parts: Arc<dyn PartReader> = Arc::new(Turning::default());
+    let playback = Arc::new(Playback::of(&parts));
+    assert!(RecordedSource::new(&playback, TICKS).is_none());
+    assert_eq!(Cursor::new(&playback).frame(TICKS), None);
+    let mut source = RecordedSource::new(&playback, TICKS - 1).unwrap();
     let last = source.play();
     assert_eq!(source.play(), last);
 }

@@ -24,11 +24,11 @@ struct Entry {
 
 /// The gains that changed recently, by name.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Ledger {
+pub(super) struct GainEvents {
     entries: BTreeMap<String, Entry>,
 }
 
-impl Ledger {
+impl GainEvents {
     /// Takes a change of the gain `name` at `tick`; returns the text of the event if one is due at once.
     pub(super) fn change(&mut self, name: &str, [from, to]: [f64; 2], tick: u64) -> Option<String> {
         if let Some(entry) = self.entries.get_mut(name) {
@@ -80,27 +80,27 @@ mod tests {
 
     #[test]
     fn a_drag_is_told_at_its_start_and_where_it_ends() {
-        let mut ledger = Ledger::default();
+        let mut gain_events = GainEvents::default();
         let mut said = Vec::new();
         let value = |step: u64| 3.5 + step as f64 * 0.1;
         for tick in 0..400_u64 {
             if tick.is_multiple_of(2) && tick < 100 {
                 let step = tick / 2;
-                said.extend(ledger.change("damping.z", [value(step), value(step + 1)], tick));
+                said.extend(gain_events.change("damping.z", [value(step), value(step + 1)], tick));
             }
-            said.extend(ledger.settle(tick));
+            said.extend(gain_events.settle(tick));
         }
         assert_eq!(said, ["Λ z (damping.z) 3.5 -> 3.6", "Λ z (damping.z) 3.6 -> 8.5"]);
-        assert_eq!(ledger, Ledger::default(), "a gain at rest is forgotten");
+        assert_eq!(gain_events, GainEvents::default(), "a gain at rest is forgotten");
     }
 
     #[test]
     fn two_gains_are_told_apart_and_a_value_that_comes_back_is_told_once() {
-        let mut ledger = Ledger::default();
-        assert!(ledger.change("leak", [2.0, 3.0], 0).is_some());
-        assert!(ledger.change("forgetting", [0.99, 0.98], 0).is_some());
-        assert_eq!(ledger.change("leak", [3.0, 4.0], 10), None);
-        assert_eq!(ledger.change("leak", [4.0, 3.0], 20), None);
-        assert!((20..300).all(|tick| ledger.settle(tick).is_empty()));
+        let mut gain_events = GainEvents::default();
+        assert!(gain_events.change("leak", [2.0, 3.0], 0).is_some());
+        assert!(gain_events.change("forgetting", [0.99, 0.98], 0).is_some());
+        assert_eq!(gain_events.change("leak", [3.0, 4.0], 10), None);
+        assert_eq!(gain_events.change("leak", [4.0, 3.0], 20), None);
+        assert!((20..300).all(|tick| gain_events.settle(tick).is_empty()));
     }
 }

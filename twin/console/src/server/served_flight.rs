@@ -3,8 +3,8 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use crate::server::channels::{Channels, Sample};
-use crate::server::gains::Desk;
+use crate::server::channels::{Channels, RowSource};
+use crate::server::gains::GainPresets;
 use crate::server::mirrored::{self, Mirrored};
 use crate::server::pace::Lateness;
 use crate::server::protocol::{FlightPhase, GainInfo, ScenarioInfo, StateInfo};
@@ -27,7 +27,7 @@ const SPECTRUM_TICKS: u64 = 10;
 const STREAM_LOST: &str = "stream lost";
 
 /// One flight.
-pub(super) struct Sortie {
+pub(super) struct ServedFlight {
     /// What is flown.
     pub scenario: Scenario,
     /// The flight.
@@ -35,7 +35,7 @@ pub(super) struct Sortie {
     /// Who ends it.
     pub judge: Judge,
     /// Its gains.
-    pub desk: Desk,
+    pub presets: GainPresets,
     /// What to draw.
     pub scene: Arc<Scene>,
     /// What to plot.
@@ -60,7 +60,7 @@ pub(super) struct Sortie {
     pub verdict: Option<(String, String)>,
 }
 
-impl Sortie {
+impl ServedFlight {
     /// The flight of a scenario, at its first tick.
     ///
     /// # Errors
@@ -70,7 +70,7 @@ impl Sortie {
         let scene = Arc::new(scenario.scene()?);
         Ok(Self {
             judge: Judge::new(&scenario.settings),
-            desk: Desk::new(&scenario, flight.tuning()),
+            presets: GainPresets::new(&scenario, flight.tuning()),
             channels: Channels::new(
                 scene.rotors.len(),
                 &scenario.actuator_limits()?,
@@ -108,7 +108,7 @@ impl Sortie {
         let scene = Arc::new(stand_in());
         Ok(Self {
             judge: Judge::new(&scenario.settings),
-            desk: Desk::new(&scenario, flight.tuning()),
+            presets: GainPresets::new(&scenario, flight.tuning()),
             channels: Channels::mirrored(scene.rotors.len(), mirrored.shadow.scale()),
             mirrored: Some(Arc::clone(mirrored)),
             world: World::new(&scenario.settings),
@@ -158,8 +158,8 @@ impl Sortie {
             scene: Arc::clone(&self.scene),
             channels: Arc::clone(self.channels.infos()),
             gains: self.gains(),
-            preset: self.desk.preset(self.flight.tuning()),
-            base: self.desk.base(),
+            preset: self.presets.preset(self.flight.tuning()),
+            base: self.presets.base(),
             state,
             lateness: Lateness::default(),
             events: VecDeque::new(),
@@ -168,7 +168,7 @@ impl Sortie {
 
     /// Gains that can be changed: beside a recording those of the adapter alone.
     pub(super) fn gains(&self) -> Vec<GainInfo> {
-        let mut gains = self.desk.list(self.flight.tuning());
+        let mut gains = self.presets.list(self.flight.tuning());
         gains.retain(|gain| self.mirrored.is_none() || mirrored::acts_in_shadow(&gain.name));
         gains
     }
@@ -212,17 +212,19 @@ impl Sortie {
 
     /// What of a recording could not be read since the last call.
     pub(super) fn unreadable(&self) -> Vec<String> {
-        self.mirrored.as_ref().map_or_else(Vec::new, |mirrored| mirrored.shadow.film().troubles())
+        self.mirrored
+            .as_ref()
+            .map_or_else(Vec::new, |mirrored| mirrored.shadow.playback().troubles())
     }
 
     /// Gain changes that have come to rest become events of the next tick.
     pub(super) fn settle_gains(&mut self) {
-        self.desk.settle(&mut self.flight, self.next_tick);
+        self.presets.settle(&mut self.flight, self.next_tick);
     }
 
     /// The row and the picture of a tick.
     pub(super) fn draw(&self, tick: &Tick) -> (Arc<[f32]>, Arc<Picture>) {
-        let sample = Sample { tick, tuning: self.flight.tuning(), spectrum: &self.spectrum };
+        let sample = RowSource { tick, tuning: self.flight.tuning(), spectrum: &self.spectrum };
         let picture = Picture::new(&self.scene, tick, &self.spectrum);
         (self.channels.row(&sample), Arc::new(picture))
     }

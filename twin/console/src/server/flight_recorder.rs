@@ -7,13 +7,13 @@ use twin_core::tick::Tick;
 use twin_record::{Recorder, RecordingEnd, RecordingError, RecordingInfo};
 
 /// Records the flights one after the other, or none.
-pub(super) struct Logbook {
+pub(super) struct FlightRecorder {
     path: Option<PathBuf>,
     flights: u32,
     open: Option<Recorder>,
 }
 
-impl Logbook {
+impl FlightRecorder {
     /// Records to `path`; `None` records nothing.
     pub(super) fn new(path: Option<PathBuf>) -> Self {
         Self { path, flights: 0, open: None }
@@ -93,7 +93,7 @@ mod tests {
 
     #[test]
     fn without_a_path_nothing_is_recorded() {
-        let mut logbook = Logbook::new(None);
-        assert!(matches!(logbook.end(RecordingEnd::default()), Ok(None)));
+        let mut flight_recorder = FlightRecorder::new(None);
+        assert!(matches!(flight_recorder.end(RecordingEnd::default()), Ok(None)));
     }
 }

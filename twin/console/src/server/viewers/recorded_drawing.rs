@@ -16,14 +16,14 @@ const EVERY: u64 = 4;
 const MOST_POINTS: usize = 2000;
 
 /// A recorded flight as the viewers draw it. Each picture has its time since the start, s.
-pub(super) struct Flown {
+pub(super) struct RecordedDrawing {
     pub(super) drawing: Drawing,
     pub(super) pictures: Vec<(f64, Picture)>,
     /// Segments of the lines through the whole flight, in the order of [`LINES`]. A segment has two ends `[x y z]`, m.
     pub(super) lines: [Vec<f32>; 2],
 }
 
-impl Flown {
+impl RecordedDrawing {
     pub(super) fn new(scene: &Scene, ticks: &[Tick]) -> Self {
         let start_s = ticks.first().map_or(0.0, |tick| tick.measurement.t_s);
         let chosen = ticks.iter().filter(|tick| tick.index.is_multiple_of(EVERY));

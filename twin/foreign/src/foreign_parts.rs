@@ -9,9 +9,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::clock::common_ns;
 use super::effort::Settled;
-use super::film::Footage;
-use super::gather::{Collector, Sample, Track};
+use super::gather::{MessageDecoder, Sample, Track};
 use super::index::Index;
+use super::playback::PartReader;
 use super::recorded::{Reading, RecordedFlight, on_times};
 use super::signals::{Signals, signals_as};
 use super::topics::Map;
@@ -32,7 +32,7 @@ const KEPT_SAMPLES: usize = 200_000;
 
 /// A long flight of another program.
 #[derive(Debug)]
-pub(super) struct ForeignFootage {
+pub(super) struct ForeignParts {
     index: Index,
     map: Arc<Map>,
     chosen: Signals,
@@ -46,7 +46,7 @@ pub(super) struct ForeignFootage {
 
 #[derive(Debug)]
 struct Decoder {
-    collector: Collector<Arc<Map>>,
+    collector: MessageDecoder<Arc<Map>>,
     /// Samples per track of the most recently used chunks, by chunk number; the last used chunk is last.
     chunks: VecDeque<(usize, Vec<Vec<Sample>>)>,
     troubles: Vec<String>,
@@ -54,7 +54,7 @@ struct Decoder {
     damaged: BTreeSet<usize>,
 }
 
-impl ForeignFootage {
+impl ForeignParts {
     /// The flight in `index` with `ticks` ticks from a start time on, s.
     pub(super) fn new(
         index: Index,
@@ -69,7 +69,7 @@ impl ForeignFootage {
         }
         let map = Arc::new(map);
         let used = chosen.used.iter().map(|used| used.channel).collect();
-        let mut collector = Collector::new(Arc::clone(&map), Some(used));
+        let mut collector = MessageDecoder::new(Arc::clone(&map), Some(used));
         index.table.definitions.records(&mut |record| collector.take(record));
         let tracks = collector.empty_tracks();
         let (chunks, troubles, damaged) = Default::default();
@@ -132,7 +132,7 @@ impl Decoder {
     }
 }
 
-impl Footage for ForeignFootage {
+impl PartReader for ForeignParts {
     fn ticks(&self) -> usize {
         self.ticks
     }

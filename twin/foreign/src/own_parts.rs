@@ -6,16 +6,15 @@ use std::sync::{Arc, Mutex, PoisonError};
 use mcap::records::Record;
 
 use super::container::Findings;
-use super::film::Footage;
 use super::index::Index;
-use super::kept::Kept;
-use super::recorded::{Instant, MOST_TICKS, RecordedFlight};
+use super::playback::PartReader;
+use super::recent_cache::RecentCache;
+use super::recorded::{MOST_TICKS, RecordedFlight, RecordedTick};
 use super::replayed::{Moved, as_recorded, joint_names, nominal_inertia};
 use super::stretches::{STRETCH_S, STRETCHES};
 use twin_core::notation::{Coords, TICK_S};
-use twin_record::recording::{
-    MEASUREMENT_TOPIC, METADATA_END, METADATA_START, MIRRORED, TICK_TOPIC,
-};
+use twin_record::MIRRORED;
+use twin_record::recording::{MEASUREMENT_TOPIC, METADATA_END, METADATA_START, TICK_TOPIC};
 
 /// Ticks that are read at once: as many as the recorder puts into a chunk. A measurement needs nothing of those around it, so less
 /// is read for a jump than of a flight that is resampled.
@@ -29,7 +28,7 @@ type Ticks = Arc<[Option<Moved>]>;
 
 /// A long flight of this program.
 #[derive(Debug)]
-pub(super) struct OwnFootage {
+pub(super) struct OwnParts {
     index: Index,
     channel: u16,
     /// The channel holds whole ticks, not measurements alone.
@@ -40,11 +39,11 @@ pub(super) struct OwnFootage {
     joint_names: Vec<String>,
     /// Of a foreign flight in shadow: what is not a number is unknown.
     mirrored: bool,
-    chunks: Kept<Ticks>,
+    chunks: RecentCache<Ticks>,
     troubles: Mutex<(Vec<String>, BTreeSet<usize>)>,
 }
 
-impl OwnFootage {
+impl OwnParts {
     /// The flight in `index`; `None` if it is no recording of this program, or its index is not whole.
     pub(super) fn new(index: Index) -> Option<Self> {
         let (tick, ticks) = index.channel(TICK_TOPIC).filter(|(_, ticks)| *ticks > 0)?;
@@ -71,7 +70,7 @@ impl OwnFootage {
         let nominal_inertia = told("gains").and_then(nominal_inertia);
         let joint_names = joint_names(told("joints"));
         let mirrored = told(MIRRORED).is_some();
-        let (chunks, troubles) = (Kept::new(KEPT_CHUNKS), Mutex::default());
+        let (chunks, troubles) = (RecentCache::new(KEPT_CHUNKS), Mutex::default());
         Some(Self {
             index,
             channel,
@@ -118,7 +117,7 @@ impl OwnFootage {
     fn as_recorded(
         &self,
         times_s: Vec<f64>,
-        instants: Vec<Instant>,
+        instants: Vec<RecordedTick>,
         airborne: Vec<bool>,
     ) -> RecordedFlight {
         as_recorded(times_s, instants, airborne, self.nominal_inertia, self.joint_names.clone())
@@ -165,7 +164,7 @@ impl OwnFootage {
     }
 }
 
-impl Footage for OwnFootage {
+impl PartReader for OwnParts {
     fn ticks(&self) -> usize {
         self.before.last().copied().unwrap_or(0)
     }

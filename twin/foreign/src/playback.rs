@@ -7,8 +7,8 @@ use std::fmt::Debug;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
-use super::kept::Kept;
-use super::recorded::{Instant, RecordedFlight};
+use super::recent_cache::RecentCache;
+use super::recorded::{RecordedFlight, RecordedTick};
 use twin_core::notation::{KnownCoords, wrap_angle};
 use twin_core::source::{Disturbance, InnerLoop, Source};
 use twin_core::tick::{GripperReading, Measurement, Setpoint, Truth};
@@ -26,7 +26,7 @@ const AHEAD_TICKS: usize = 500;
 const PSI: usize = 5;
 
 /// A flight that is read part by part.
-pub trait Footage: Debug + Send + Sync {
+pub trait PartReader: Debug + Send + Sync {
     /// Ticks of all of it.
     fn ticks(&self) -> usize;
 
@@ -49,7 +49,7 @@ pub trait Footage: Debug + Send + Sync {
 
 /// A recorded flight.
 #[derive(Debug)]
-pub struct Film {
+pub struct Playback {
     ticks: usize,
     store: Store,
 }
@@ -57,17 +57,17 @@ pub struct Film {
 #[derive(Debug)]
 enum Store {
     Whole(Arc<[Measurement]>),
-    Blocks { shelf: Arc<Shelf>, wanted: Sender<usize> },
+    Blocks { cache: Arc<BlockCache>, wanted: Sender<usize> },
 }
 
 /// Blocks that were read.
 #[derive(Debug)]
-struct Shelf {
-    footage: Arc<dyn Footage>,
-    blocks: Kept<Arc<[Measurement]>>,
+struct BlockCache {
+    parts: Arc<dyn PartReader>,
+    blocks: RecentCache<Arc<[Measurement]>>,
 }
 
-impl Film {
+impl Playback {
     /// A flight that is held whole.
     pub fn whole(recorded: &RecordedFlight) -> Self {
         let frames = frames(recorded);
@@ -75,38 +75,38 @@ impl Film {
     }
 
     /// A flight that is read as it is played.
-    pub fn of(footage: &Arc<dyn Footage>) -> Self {
-        let footage = Arc::clone(footage);
-        let ticks = footage.ticks();
-        let shelf = Arc::new(Shelf::new(footage));
+    pub fn of(parts: &Arc<dyn PartReader>) -> Self {
+        let parts = Arc::clone(parts);
+        let ticks = parts.ticks();
+        let cache = Arc::new(BlockCache::new(parts));
         let (wanted, orders) = channel();
-        let reader = Arc::clone(&shelf);
-        let thread = std::thread::Builder::new().name("film".to_owned());
+        let reader = Arc::clone(&cache);
+        let thread = std::thread::Builder::new().name("playback".to_owned());
         // Without the thread each block is read when it is played.
         if let Err(error) = thread.spawn(move || read_ahead(&reader, &orders)) {
             tracing::warn!("nothing is read ahead: {error}");
         }
-        Self { ticks, store: Store::Blocks { shelf, wanted } }
+        Self { ticks, store: Store::Blocks { cache, wanted } }
     }
 
     /// Ticks; of a flight that still goes on those that there are by now.
     pub fn ticks(&self) -> usize {
         match &self.store {
-            Store::Blocks { shelf, .. } if self.is_live() => shelf.footage.ticks(),
+            Store::Blocks { cache, .. } if self.is_live() => cache.parts.ticks(),
             _ => self.ticks,
         }
     }
 
     /// It still goes on.
     pub fn is_live(&self) -> bool {
-        matches!(&self.store, Store::Blocks { shelf, .. } if shelf.footage.is_live())
+        matches!(&self.store, Store::Blocks { cache, .. } if cache.parts.is_live())
     }
 
     /// What could not be read since the last call, a sentence each.
     pub fn troubles(&self) -> Vec<String> {
         match &self.store {
             Store::Whole(_) => Vec::new(),
-            Store::Blocks { shelf, .. } => shelf.footage.troubles(),
+            Store::Blocks { cache, .. } => cache.parts.troubles(),
         }
     }
 
@@ -117,28 +117,28 @@ impl Film {
         }
         match &self.store {
             Store::Whole(frames) => Some(Block { first: 0, frames: Arc::clone(frames) }),
-            Store::Blocks { shelf, .. } => {
-                let ticks = shelf.footage.block_ticks();
+            Store::Blocks { cache, .. } => {
+                let ticks = cache.parts.block_ticks();
                 let number = tick / ticks;
-                Some(Block { first: number * ticks, frames: shelf.block(number, tick % ticks) })
+                Some(Block { first: number * ticks, frames: cache.block(number, tick % ticks) })
             }
         }
     }
 
     /// Has the blocks after that of `tick` read in the background.
     fn read_after(&self, tick: usize) {
-        if let Store::Blocks { wanted, shelf } = &self.store
-            && !shelf.footage.is_live()
+        if let Store::Blocks { wanted, cache } = &self.store
+            && !cache.parts.is_live()
         {
             // Without the thread nothing is read ahead.
-            let _ = wanted.send(tick / shelf.footage.block_ticks() + 1);
+            let _ = wanted.send(tick / cache.parts.block_ticks() + 1);
         }
     }
 }
 
 /// Reads the blocks from each number that is ordered on, until another one is.
-fn read_ahead(shelf: &Shelf, orders: &Receiver<usize>) {
-    let blocks = AHEAD_TICKS.div_ceil(shelf.footage.block_ticks());
+fn read_ahead(cache: &BlockCache, orders: &Receiver<usize>) {
+    let blocks = AHEAD_TICKS.div_ceil(cache.parts.block_ticks());
     while let Ok(mut first) = orders.recv() {
         let mut next = 0;
         while next < blocks {
@@ -147,28 +147,28 @@ fn read_ahead(shelf: &Shelf, orders: &Receiver<usize>) {
                 (first, next) = (newer, 0);
             }
             let number = first + next;
-            if number * shelf.footage.block_ticks() < shelf.footage.ticks() {
-                shelf.block(number, 0);
+            if number * cache.parts.block_ticks() < cache.parts.ticks() {
+                cache.block(number, 0);
             }
             next += 1;
         }
     }
 }
 
-impl Shelf {
-    fn new(footage: Arc<dyn Footage>) -> Self {
-        let blocks = Kept::new(KEPT_TICKS / footage.block_ticks());
-        Self { footage, blocks }
+impl BlockCache {
+    fn new(parts: Arc<dyn PartReader>) -> Self {
+        let blocks = RecentCache::new(KEPT_TICKS / parts.block_ticks());
+        Self { parts, blocks }
     }
 
-    /// The block from the shelf if it reaches to its tick `within`, else from the file. Of a flight that goes on the newest block
+    /// The block from the cache if it reaches to its tick `within`, else from the file. Of a flight that goes on the newest block
     /// may be there with fewer ticks.
     fn block(&self, number: usize, within: usize) -> Arc<[Measurement]> {
-        let ticks = self.footage.block_ticks();
+        let ticks = self.parts.block_ticks();
         let read = || {
             let from = number * ticks;
-            let to = (from + ticks).min(self.footage.ticks()).max(from);
-            frames(&self.footage.part(from, to)).into()
+            let to = (from + ticks).min(self.parts.ticks()).max(from);
+            frames(&self.parts.part(from, to)).into()
         };
         self.blocks.get(number, |frames| frames.len() > within, read)
     }
@@ -176,7 +176,7 @@ impl Shelf {
 
 /// The ticks of `recorded` as the loop reads them: what is `None` there is unknown here.
 fn frames(recorded: &RecordedFlight) -> Vec<Measurement> {
-    let one = |(tick, instant): (usize, &Instant)| Measurement {
+    let one = |(tick, instant): (usize, &RecordedTick)| Measurement {
         t_s: recorded.times_s[tick],
         chi: KnownCoords::from_rows(&instant.chi),
         chi_dot: KnownCoords::from_rows(&instant.chi_dot),
@@ -202,24 +202,24 @@ impl Block {
     }
 }
 
-/// A place in a film; looking at neighbouring ticks reads nothing anew.
+/// A place in a playback; looking at neighbouring ticks reads nothing anew.
 #[derive(Clone, Debug)]
 pub struct Cursor {
-    film: Arc<Film>,
+    playback: Arc<Playback>,
     block: Option<Block>,
 }
 
 impl Cursor {
-    /// Into `film`.
-    pub fn new(film: &Arc<Film>) -> Self {
-        Self { film: Arc::clone(film), block: None }
+    /// Into `playback`.
+    pub fn new(playback: &Arc<Playback>) -> Self {
+        Self { playback: Arc::clone(playback), block: None }
     }
 
     /// The measurement of `tick`; `None` beyond the end.
     pub fn frame(&mut self, tick: usize) -> Option<&Measurement> {
         if self.block.as_ref().and_then(|block| block.frame(tick)).is_none() {
-            self.film.read_after(tick);
-            self.block = self.film.block(tick);
+            self.playback.read_after(tick);
+            self.block = self.playback.block(tick);
         }
         self.block.as_ref()?.frame(tick)
     }
@@ -230,7 +230,7 @@ impl Cursor {
     }
 }
 
-/// Plays a film; what it is told to do reaches nobody.
+/// Plays a playback; what it is told to do reaches nobody.
 pub struct RecordedSource {
     cursor: Cursor,
     next: usize,
@@ -244,9 +244,9 @@ pub struct RecordedSource {
 }
 
 impl RecordedSource {
-    /// From tick `first` of `film` on; `None` if there is none.
-    pub fn new(film: &Arc<Film>, first: usize) -> Option<Self> {
-        let mut cursor = Cursor::new(film);
+    /// From tick `first` of `playback` on; `None` if there is none.
+    pub fn new(playback: &Arc<Playback>, first: usize) -> Option<Self> {
+        let mut cursor = Cursor::new(playback);
         let frame = cursor.frame(first)?.clone();
         Some(Self { cursor, next: first, frame, last_psi: None, turns_rad: 0.0, turned: None })
     }
@@ -294,5 +294,5 @@ impl Source for RecordedSource {
 }
 
 #[cfg(test)]
-#[path = "film_tests.rs"]
+#[path = "playback_tests.rs"]
 mod tests;

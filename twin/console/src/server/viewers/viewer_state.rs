@@ -7,7 +7,7 @@ use crate::server::hub::Client;
 use crate::server::published::Published;
 use crate::server::telemetry::{Picture, Telemetry};
 use crate::server::viewers::controls::Sliders;
-use crate::server::viewers::drawing::{Drawing, Told};
+use crate::server::viewers::drawing::{Drawing, SentPoses};
 use crate::server::viewers::forces::Forces;
 use crate::server::viewers::layers::Layers;
 use crate::server::viewers::pack;
@@ -18,16 +18,16 @@ const REASON_CHARACTERS: usize = 80;
 
 /// The drawing, the controls and the poses that one client has got.
 #[derive(Default)]
-pub(super) struct Watched {
+pub(super) struct ViewerState {
     pub(super) drawing: Drawing,
     pub(super) sliders: Sliders,
     pub(super) layers: Layers,
     pub(super) trails: Trails,
     pub(super) forces: Forces,
-    told: Told,
+    told: SentPoses,
 }
 
-impl Watched {
+impl ViewerState {
     /// Whether the client is new, so that nothing was drawn for it yet.
     pub(super) fn is_new(&self) -> bool {
         self.sliders.is_empty()
@@ -36,7 +36,7 @@ impl Watched {
     /// Starts with the scene, the gains and the channels of a new flight.
     pub(super) fn begin(&mut self, published: &Published) {
         self.drawing = Drawing::new(&published.scene);
-        self.told = Told::default();
+        self.told = SentPoses::default();
         self.sliders.set(&published.gains);
         self.layers.drawn_anew();
         self.trails = Trails::new(&published.channels);
