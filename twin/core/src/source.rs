@@ -32,7 +32,7 @@ pub trait InnerLoop {
 ///
 /// ```
 /// # use nalgebra::{Vector2, Vector3};
-/// # use twin_core::{control::{Allocation, Rotor, Rows}, fixture};
+/// # use twin_core::{control::{Allocation, InnerController, Rotor}, fixture};
 /// use twin_core::notation::{Coords, GRAVITY_M_S2, N, TICK_S};
 /// use twin_core::source::{Disturbance, InnerLoop, Source};
 /// use twin_core::tick::{GripperReading, Measurement, Setpoint, Truth};
@@ -70,11 +70,11 @@ pub trait InnerLoop {
 ///     fn disturb(&mut self, _: &Disturbance) {}
 /// }
 /// # let rotor = Rotor { position_in_body: Vector3::zeros(), torque_per_thrust_m: 0.0 };
-/// # let mut rows = Rows::new(Allocation::new(&[rotor], 0.0, 0.0), Vector3::zeros(), Vector2::zeros(), 0.0, 0.002);
+/// # let mut inner = InnerController::new(Allocation::new(&[rotor], 0., 0.), Vector3::zeros(), Vector2::zeros(), 0., 0.002);
 /// // Without force it falls g t²/2 in t = 1 s.
 /// let setpoint = Setpoint { force_in_world_n: Vector3::zeros(), ..fixture::tick(0).setpoint };
 /// let mut mass = PointMass { t_s: 0.0, chi: Coords::zeros(), chi_dot: Coords::zeros() };
-/// let fallen = (0..100).map(|_| mass.advance(&setpoint, &mut rows)).last().expect("100 ticks");
+/// let fallen = (0..100).map(|_| mass.advance(&setpoint, &mut inner)).last().expect("100 ticks");
 /// assert!((fallen.chi[2] + GRAVITY_M_S2 / 2.0).abs() < 1e-12);
 /// ```
 pub trait Source {

@@ -33,7 +33,7 @@ pub enum Stage {
 ///
 /// ```
 /// # use nalgebra::Vector3;
-/// # use twin_core::control::{Allocation, Controller, Gains, Input, Preset, Rotor, Rows};
+/// # use twin_core::control::{Allocation, Controller, Gains, InnerController, Input, Preset, Rotor};
 /// # use twin_core::residual::{HORIZON, History, NOMINAL_SCALE, Predictor, lra};
 /// # use twin_core::task::motion::{Motion, Posture};
 /// # use twin_core::task::{Step, Task, View};
@@ -80,7 +80,8 @@ pub enum Stage {
 /// # let Tick { mut measurement, setpoint, .. } = fixture::tick(0);
 /// # (measurement.chi, measurement.chi_dot) = (Coords::zeros().into(), Coords::zeros().into());
 /// # let rotor = Rotor { position_in_body: Vector3::zeros(), torque_per_thrust_m: 0.0 };
-/// # let rows = Rows::new(Allocation::new(&[rotor], 0.0, 0.0), Vector3::zeros(), Default::default(), 0.0, 0.002);
+/// # let allocation = Allocation::new(&[rotor], 0.0, 0.0);
+/// # let inner = InnerController::new(allocation, Vector3::zeros(), Default::default(), 0.0, 0.002);
 /// let goal = Posture::new(0.0, 0.0, 0.1, 0.0, 0.0, 0.0);
 /// let tuning = Tuning { gains: Gains::preset(Preset::Tuned), adapter: lra::Settings::default() };
 /// let mut flight = Flight::new(Parts {
@@ -88,7 +89,7 @@ pub enum Stage {
 ///     predictor: Box::new(SameAgain),
 ///     adapter: lra::Adapter::new(0, Coords::from(NOMINAL_SCALE), &tuning.adapter),
 ///     controller: Box::new(Pd(setpoint)),
-///     rows,
+///     inner,
 ///     task: Box::new(Rise(Motion::new(goal))),
 ///     gravity: Box::new(|_| Coords::zeros()), // no model knows the weight
 ///     tuning,
