@@ -7,6 +7,7 @@ mod indexed;
 mod live;
 pub(crate) mod made;
 mod misfits;
+mod oracles;
 mod own_indexed;
 mod program;
 mod real;

@@ -8,7 +8,7 @@ use twin_foreign::{ShadowReport, shadow};
 
 use super::made::read;
 
-fn flights() -> Option<PathBuf> {
+pub(super) fn flights() -> Option<PathBuf> {
     let folder = std::env::var_os("TWIN_FLIGHTS").map_or_else(
         || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/flights"),
         PathBuf::from,

@@ -116,7 +116,9 @@ impl Reader<'_> {
             self.at = self.at.next_multiple_of(bytes);
         }
         Ok(match primitive {
-            Primitive::Bool | Primitive::U8 => f64::from(u8::from_le_bytes(self.take()?)),
+            // PX4 leaves other bytes than 0 and 1 in fields that it does not set.
+            Primitive::Bool => f64::from(u8::from(self.take()? != [0])),
+            Primitive::U8 => f64::from(u8::from_le_bytes(self.take()?)),
             Primitive::I8 => f64::from(i8::from_le_bytes(self.take()?)),
             Primitive::I16 => f64::from(i16::from_le_bytes(self.take()?)),
             Primitive::U16 => f64::from(u16::from_le_bytes(self.take()?)),

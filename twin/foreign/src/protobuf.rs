@@ -26,9 +26,12 @@ const DOUBLE: u64 = 1;
 const FLOAT: u64 = 2;
 const INT64: u64 = 3;
 const INT32: u64 = 5;
+const BOOL: u64 = 8;
 const STRING: u64 = 9;
 const MESSAGE: u64 = 11;
 const BYTE_STRING: u64 = 12;
+const UINT32: u64 = 13;
+const ENUM: u64 = 14;
 const SFIXED32: u64 = 15;
 const SFIXED64: u64 = 16;
 const SINT32: u64 = 17;
@@ -228,8 +231,11 @@ fn number_of(kind: u64, bits: u64, wire: u8) -> Result<f64, String> {
     Ok(match kind {
         DOUBLE => f64::from_bits(bits),
         FLOAT => f64::from(f32::from_bits(bits as u32)),
-        INT64 | INT32 | SFIXED64 => bits.cast_signed() as f64,
-        SFIXED32 => f64::from((bits as u32).cast_signed()),
+        INT64 | SFIXED64 => bits.cast_signed() as f64,
+        // The sender extends negative numbers to 64 bits.
+        INT32 | ENUM | SFIXED32 => f64::from((bits as u32).cast_signed()),
+        UINT32 => f64::from(bits as u32),
+        BOOL => f64::from(u8::from(bits != 0)),
         SINT32 | SINT64 => unzigzag() as f64,
         _ => bits as f64,
     })

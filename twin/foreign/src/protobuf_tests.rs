@@ -72,11 +72,14 @@ fn numbers_of_every_kind_come_back_packed_and_not() {
         (DOUBLE, (-1.5_f64).to_le_bytes().to_vec(), -1.5),
         (FLOAT, 0.5_f32.to_le_bytes().to_vec(), 0.5),
         (INT32, vec![0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 1], -1.0),
-        (13, vec![0xAC, 2], 300.0),
+        (ENUM, vec![0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 1], -1.0),
+        (UINT32, vec![0xAC, 2], 300.0),
         (SINT32, vec![3], -2.0),
         (SFIXED32, (-7_i32).to_le_bytes().to_vec(), -7.0),
         (SFIXED64, (-8_i64).to_le_bytes().to_vec(), -8.0),
-        (8, vec![1], 1.0),
+        (BOOL, vec![1], 1.0),
+        // `prost-reflect` reads a boolean of another number than 0 as true, too.
+        (BOOL, vec![2], 1.0),
     ] {
         let descriptor = Descriptor::parse("p.T", &set(kind)).unwrap();
         let single = [vec![(1 << 3) | wire_of(kind)], sent.clone()].concat();
