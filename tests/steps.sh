@@ -50,10 +50,22 @@ test_units() {
   cargo test --release --workspace --lib --quiet "$@" || fail "a unit test fails: run cargo test --release --workspace --lib NAME to see it alone"
 }
 
-# The examples in the documentation; twin-core is the only crate whose examples run.
-test_examples() {
-  step "examples in the documentation"
-  cargo test --release --doc -p twin-core --quiet || fail "an example fails: run cargo test --release --doc -p twin-core NAME to see it alone"
+# Models, gradients, checkpoints. Only lab is tested here: with burn, shared packages have other features, and cargo builds again what
+# lab stands on.
+test_training() {
+  step "training"
+  cargo test --release -p twin-lab --lib --features train --quiet learn:: || fail "a test of the training fails: run cargo test --release -p twin-lab --lib --features train NAME to see it alone"
+}
+
+# A page can fly the loop, the plant, and the flying part of scenario.
+check_wasm() {
+  step "wasm32"
+  if ! rustup target add wasm32-unknown-unknown >/dev/null 2>&1; then
+    printf 'skipped: rustup cannot add the target wasm32-unknown-unknown\n'
+    return
+  fi
+  cargo check --release --target wasm32-unknown-unknown -p twin-core -p twin-plant -p twin-scenario --quiet ||
+    fail "a crate that a page needs does not compile for wasm32-unknown-unknown: keep files, C code and threads behind a feature"
 }
 
 build_binary() {
