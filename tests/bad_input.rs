@@ -4,7 +4,7 @@ use std::net::TcpListener;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// A folder of this test that is removed at its end.
+/// A temporary folder of this test, which is removed when it is dropped.
 struct Folder(PathBuf);
 
 impl Folder {
@@ -23,12 +23,12 @@ impl Folder {
 
 impl Drop for Folder {
     fn drop(&mut self) {
-        // Nothing to do about a file that stays.
+        // A file that cannot be removed does not matter.
         let _ = std::fs::remove_dir_all(&self.0);
     }
 }
 
-/// The program in the root of the repository.
+/// Runs the program in the root of the repository.
 fn twin(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_twin"))
         .args(arguments)
@@ -37,7 +37,7 @@ fn twin(arguments: &[&str]) -> Output {
         .expect("the program starts")
 }
 
-/// Exit code 2, nothing on stdout, and every one of `wanted` on stderr; no panic.
+/// Asserts exit code 2, an empty stdout, every text of `wanted` on stderr, and no panic.
 fn refused(arguments: &[&str], wanted: &[&str]) {
     let output = twin(arguments);
     let stderr = String::from_utf8_lossy(&output.stderr);
@@ -49,7 +49,7 @@ fn refused(arguments: &[&str], wanted: &[&str]) {
     }
 }
 
-/// Name, text of the scenario, and what its error must name.
+/// Name, text of the scenario, and the texts that its error must contain.
 const BAD_SCENARIOS: &[(&str, &str, &[&str])] = &[
     (
         "unknown_key",
@@ -154,7 +154,7 @@ fn a_bad_override_is_refused_by_its_own_text() {
     refused(&["fly", hover, "--headless", "--seed", "-1"], &["-1"]);
 }
 
-/// The vehicle's URDF with the first `old` replaced.
+/// The vehicle's URDF in which the first `old` is replaced by `new`.
 fn broken_urdf(old: &str, new: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("urdf/aerial_manipulator.urdf");
     let text = std::fs::read_to_string(path).expect("the URDF");
@@ -162,7 +162,7 @@ fn broken_urdf(old: &str, new: &str) -> String {
     text.replacen(old, new, 1)
 }
 
-/// Line of the first `part` in `text`, from 1.
+/// Number of the first line of `text` that contains `part`, counted from 1.
 fn line_of(text: &str, part: &str) -> usize {
     text.lines().position(|line| line.contains(part)).expect(part) + 1
 }
@@ -229,7 +229,7 @@ fn a_port_in_use_is_refused_with_the_port_and_the_way_out() {
 
 #[test]
 fn a_recording_that_is_not_there_is_named_with_its_cause_once() {
-    // MeshCat's page wants its viewer first, which need not be here.
+    // The MeshCat page needs its viewer first, which may not be installed here.
     for kind in ["html", "viser", "csv"] {
         refused(&["export", kind, "nowhere.mcap"], &["nowhere.mcap", "No such file"]);
         let output = twin(&["export", kind, "nowhere.mcap"]);
@@ -252,7 +252,7 @@ fn with_json_stdout_is_exactly_one_object() {
     ];
     for (overrides, code) in [
         (&["--set", "task.duration_s=0.5"][..], 0),
-        // It ends, but not as expected: the verdict is still one object.
+        // The flight ends, but not as expected: the verdict is still one object.
         (&["--set", "task.duration_s=0.5", "--set", "expect.verdict=crashed"], 1),
     ] {
         let mut arguments = vec!["fly", "scenarios/hover.toml", "--headless", "--json"];

@@ -1,20 +1,20 @@
-//! No circle between files: if a file uses another, directly or by way of others, that one does not use it.
+//! No circular use between files: if a file uses another, directly or through others, the other does not use it.
 //!
-//! The rule. A file *uses* the file that defines a name which it writes, in a `use` line or in a path in its code.
-//! - Re-exports are followed: `use super::Place`, where the parent says `pub use place::Place`, uses `place.rs`, not the parent.
-//!   Handing a name on (`pub use`) is no use by itself; writing that name anywhere else in the file is one.
-//! - A parent and what lies below it are one house: the parent's file hands out its parts, and the parts share what the parent
-//!   defines. A use between the two does not count, one between two parts does.
-//! - Tests do not count: an item under `#[cfg(test)]` is left out.
+//! The rule: a file *uses* the file that defines a name which it writes, in a `use` line or in a path in its code.
+//! - Re-exports are followed: if the parent says `pub use place::Place`, then `use super::Place` uses `place.rs`, not the parent. A `pub
+//!   use` alone is no use; writing that name anywhere else in the file is one.
+//! - A module and its submodules belong together: the parent re-exports its submodules, and they use the parent's definitions. A use
+//!   between a module and its submodule does not count; a use between two submodules does.
+//! - Tests do not count: items under `#[cfg(test)]` are left out.
 //!
-//! The reader goes by names: it does not see `self.step()` where another file holds that `impl`, nor a `use` of `*`.
+//! The test reads names only: it does not see `self.step()` where another file contains that `impl`, nor a `use` of `*`.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::path::{Path, PathBuf};
 
 use super::reading::{Import, imports, paths, plain, submodules, without_tests, words};
 
-/// A module by the names that lead to it; the first is the file of its crate's root.
+/// Path of a module; the first element is the root file of its crate.
 type Name = Vec<String>;
 
 /// One file of source.
@@ -30,11 +30,11 @@ struct Module {
 #[derive(Default)]
 struct Modules(BTreeMap<Name, Module>);
 
-/// For each file the files it uses, and by which names.
+/// For each file, the files that it uses and the paths by which it uses them.
 type Uses = BTreeMap<Name, BTreeMap<Name, BTreeSet<String>>>;
 
 impl Modules {
-    /// Reads a crate from the file of its root on, along the `mod` lines.
+    /// Reads a crate from its root file on, following the `mod` lines.
     fn read(&mut self, root: &Path) {
         let root_name = vec![root.to_string_lossy().into_owned()];
         let folder = root.parent().expect("a file lies in a folder");
@@ -59,8 +59,8 @@ impl Modules {
         children
     }
 
-    /// The module whose file defines what `path` names, as written in `from`; nothing if `path` leads out of the crate or to a
-    /// module as a whole.
+    /// The module whose file defines the name `path`, as written in `from`. `None` if `path` leads out of the crate or names a whole
+    /// module.
     fn definer(&self, from: &Name, path: &[String], depth: usize) -> Option<Name> {
         let (first, rest) = path.split_first()?;
         match first.as_str() {
@@ -74,19 +74,19 @@ impl Modules {
         }
     }
 
-    /// The same for a path that is read inside of `module`.
+    /// The same for a `path` that is relative to `module`.
     fn within(&self, module: &Name, path: &[String], depth: usize) -> Option<Name> {
         let found = self.0.get(module)?;
         let (first, rest) = path.split_first()?;
         if first == "super" {
             return self.within(&module[..module.len() - 1].to_vec(), rest, depth);
         }
-        // Of one name of a function and of a module, the path says by its length which is meant.
+        // If a function and a module have the same name, a longer path means the module.
         if found.children.contains(first) && !rest.is_empty() {
             return self.within(&[module.clone(), vec![first.clone()]].concat(), rest, depth);
         }
         match self.import(module, first) {
-            // Two modules that hand on each other's names do not end.
+            // Two modules that re-export each other's names would recurse for ever.
             Some(import) if depth < 8 => {
                 self.definer(module, &[&import.path, rest].concat(), depth + 1)
             }
@@ -99,7 +99,7 @@ impl Modules {
         self.0[module].imports.iter().find(|import| import.name == name)
     }
 
-    /// Who uses whom.
+    /// The uses of all modules.
     fn uses(&self) -> Uses {
         let mut uses = Uses::new();
         for (name, module) in &self.0 {
@@ -122,12 +122,12 @@ impl Modules {
     }
 }
 
-/// Whether one of two modules is the other or lies inside of it.
+/// True if one of the two modules is the other or contains it.
 fn one_line(one: &Name, other: &Name) -> bool {
     one.starts_with(other) || other.starts_with(one)
 }
 
-/// The shortest way from a file along `uses` back to it.
+/// The shortest path along `uses` from a file back to itself.
 fn circle_through(start: &Name, uses: &Uses) -> Option<Vec<Name>> {
     let mut came_from: BTreeMap<&Name, &Name> = BTreeMap::new();
     let mut next = VecDeque::from([start]);
@@ -150,7 +150,7 @@ fn circle_through(start: &Name, uses: &Uses) -> Option<Vec<Name>> {
     None
 }
 
-/// A shortest circle through each file that is part of one, each circle once, the smallest first.
+/// A shortest circle through each file that is part of one; each circle once, the smallest first.
 fn circles(uses: &Uses) -> Vec<Vec<Name>> {
     let mut seen = BTreeSet::new();
     let mut found: Vec<Vec<Name>> = uses
@@ -162,7 +162,7 @@ fn circles(uses: &Uses) -> Vec<Vec<Name>> {
     found
 }
 
-/// A circle in words: each file, the next one, and the names it uses of it.
+/// A circle in words: each file, the next file, and the names of it that are used.
 fn told(circle: &[Name], uses: &Uses) -> String {
     let mut lines = vec![format!("a circle of {} files:", circle.len())];
     for (at, file) in circle.iter().enumerate() {
@@ -178,7 +178,7 @@ fn told(circle: &[Name], uses: &Uses) -> String {
     lines.join("\n")
 }
 
-/// Roots of crates below a folder.
+/// Root files of the crates below a folder.
 fn roots(folder: PathBuf) -> Vec<PathBuf> {
     let (mut found, mut folders) = (Vec::new(), vec![folder]);
     while let Some(folder) = folders.pop() {
@@ -212,7 +212,7 @@ fn no_files_use_each_other_in_a_circle() {
     );
 }
 
-/// Circles of a crate of these files, each as the names of its files.
+/// Circles of a crate with these files, each as the names of its files.
 fn circles_of(files: &[(&str, &str)]) -> Vec<String> {
     let mut modules = Modules::default();
     for (name, text) in files {
@@ -237,7 +237,7 @@ fn a_circle_is_found_through_use_lines_paths_and_re_exports() {
     let back = ("b", "pub struct Shared;\nfn g() { super::c::h(); }");
     let c = ("c", "use crate::{a::{self, f as other}};\npub fn h() { a::f(); other() }");
     assert_eq!(circles_of(&[parent, a, back, c]), ["a b c"]);
-    // Without the way back there is none; comments, strings and tests do not make one.
+    // Without the use in the other direction there is no circle; comments, strings and tests do not make one.
     let quiet = (
         "b",
         "pub struct Shared; // super::c::h()\nconst T: &str = \"super::c::h()\";\n\

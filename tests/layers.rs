@@ -1,4 +1,4 @@
-//! Who may use whom: the crates by their `Cargo.toml`, the modules of `core` by their `use` lines; and that rooms stay small.
+//! Which crate may use which (by `Cargo.toml`), which module of `core` may use which (by `use` lines), and that files stay short.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -23,7 +23,7 @@ const MODULES_OF_CORE: &[(&str, &[&str])] = &[
     ("tick", &["notation"]),
     ("source", &["notation", "quantity", "tick"]),
     ("filter", &["elementary"]),
-    // The registry of the values in force names what they belong to.
+    // The registry of the values in force names the types that hold them.
     ("tuning", &["control", "notation", "quantity", "residual"]),
     ("control", &["elementary", "filter", "notation", "source", "tick"]),
     ("residual", &["elementary", "filter", "normal", "notation", "tick"]),
@@ -32,7 +32,7 @@ const MODULES_OF_CORE: &[(&str, &[&str])] = &[
     ("fixture", &["elementary", "notation", "tick"]),
 ];
 
-/// Packages of others that only these crates may depend on; `root` is the program with its tests.
+/// External packages that only these crates may depend on; `root` is the program with its tests.
 const ONLY_IN: &[(&str, &[&str])] = &[
     ("rapier3d-f64", &["plant"]),
     ("urdf-rs", &["plant"]),
@@ -54,7 +54,7 @@ const ONLY_IN: &[(&str, &[&str])] = &[
     ("anyhow", &["root"]),
 ];
 
-/// What the crate `core` must not touch: files, clocks, threads, unseeded randomness.
+/// Features that the crate `core` must not use: files, clocks, threads, unseeded randomness.
 const IMPURE: &[&str] = &[
     "std::fs",
     "std::net",
@@ -67,10 +67,10 @@ const IMPURE: &[&str] = &[
     "thread_rng",
 ];
 
-/// Most lines of a file.
+/// Largest number of lines of a file.
 const MOST_LINES: usize = 400;
 
-/// Files that the build makes.
+/// Files that the build generates.
 const GENERATED: &[&str] = &["protocol.ts", "package-lock.json"];
 
 fn repository() -> &'static Path {
@@ -102,13 +102,13 @@ fn files(folder: &str, endings: &[&str]) -> Vec<(PathBuf, String)> {
     found
 }
 
-/// The text without comments and test modules: what the crate is made of.
+/// The text without comments and test modules.
 fn code(text: &str) -> String {
     let body = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or("");
     body.lines().map(|line| line.split("//").next().unwrap_or("")).collect::<Vec<_>>().join("\n")
 }
 
-/// Modules named after `crate::`, alone or in braces.
+/// Modules that are named after `crate::`, alone or in braces.
 fn uses(code: &str) -> BTreeSet<String> {
     let mut found = BTreeSet::new();
     for (at, root) in code.match_indices("crate::") {
@@ -126,7 +126,7 @@ fn uses(code: &str) -> BTreeSet<String> {
     found
 }
 
-/// The comma-separated items of a `{…}` group up to its end, nested groups kept whole.
+/// The comma-separated items of a `{…}` group up to its end; nested groups stay whole.
 fn top_level(group: &str) -> Vec<&str> {
     let (mut depth, mut start, mut items) = (0_usize, 0, Vec::new());
     for (at, c) in group.char_indices() {
@@ -217,7 +217,7 @@ fn packages_of_others_stay_behind_their_doors() {
     }
 }
 
-/// The module of `core` that a file belongs to.
+/// Name of the module of `core` that a file belongs to.
 fn module(path: &Path) -> String {
     let below = path.strip_prefix("twin/core/src").expect("it lies in core");
     let first = below.components().next().expect("a name").as_os_str().to_string_lossy();
@@ -249,7 +249,7 @@ fn every_module_of_core_uses_only_what_the_list_allows() {
 
 #[test]
 fn the_list_of_modules_of_core_holds_no_circle() {
-    // Strike out what uses nothing that is left, until nothing is left.
+    // Removes modules that use none of the remaining ones, until none can be removed.
     let mut left: BTreeMap<&str, &[&str]> = MODULES_OF_CORE.iter().copied().collect();
     while !left.is_empty() {
         let free: Vec<&str> = left
@@ -279,7 +279,7 @@ fn the_loop_touches_no_file_clock_thread_or_unseeded_chance() {
 
 #[test]
 fn rooms_are_small_and_nothing_is_left_for_later() {
-    // Put together here, so that this file does not contain them.
+    // The words are put together here, so that this file does not contain them.
     let later = [["to", "do!"], ["unimple", "mented!"], ["TO", "DO"], ["FIX", "ME"]]
         .map(|parts| parts.concat());
     let endings = [".rs", ".ts", ".tsx", ".css", ".html", ".mjs", ".py"];

@@ -1,5 +1,5 @@
-//! The only use of the wall clock in tests: they give up on a server that hangs. No test asserts a duration, because a loaded machine
-//! is slow; a test counts ticks, or compares times that messages carry.
+//! The only use of the wall clock in tests: they give up on a server that hangs. No test asserts a duration, because a loaded machine is
+//! slow; a test counts ticks, or compares the times in messages.
 
 use std::time::{Duration, Instant};
 
@@ -31,7 +31,7 @@ pub(crate) fn until(what: &str, mut holds: impl FnMut() -> bool) {
     }
 }
 
-/// The wall clock; live sources in tests use it for the times of their messages, too.
+/// The wall clock; live sources in tests also take the times of their messages from it.
 #[expect(clippy::disallowed_methods, reason = "patience and live streams are wall-clock time")]
 pub(crate) fn clock() -> Instant {
     Instant::now()

@@ -1,14 +1,14 @@
-//! Rust source as text: what tests about its structure read of it.
+//! Reads Rust source as text, for the tests of its structure.
 
 use std::collections::BTreeSet;
 
 /// One name that a `use` line brings.
 pub(super) struct Import {
-    /// The path from its first word to the name it has there.
+    /// The path as it is written in the `use` line.
     pub path: Vec<String>,
-    /// The name it has here.
+    /// The name in this file.
     pub name: String,
-    /// Handed on: `pub use`, of whatever visibility.
+    /// True for a re-export: `pub use` with any visibility.
     pub public: bool,
 }
 
@@ -57,7 +57,7 @@ fn string(text: &str) -> usize {
     text.len()
 }
 
-/// Length of the character at the start of a text; 0 of a lifetime.
+/// Length of the character literal at the start of a text; 0 for a lifetime.
 fn character(text: &str) -> usize {
     let inside = &text[1..];
     match inside.strip_prefix('\\') {
@@ -98,7 +98,7 @@ fn item(code: &str) -> usize {
     code.len()
 }
 
-/// What the `use` lines of [`plain`] code bring, and the code without them.
+/// The names that the `use` lines of [`plain`] code import, and the code without these lines.
 pub(super) fn imports(code: &str) -> (Vec<Import>, String) {
     let (mut found, mut body) = (Vec::new(), String::new());
     let mut rest = code;
@@ -115,7 +115,7 @@ pub(super) fn imports(code: &str) -> (Vec<Import>, String) {
     (found, body)
 }
 
-/// Where a word stands by itself.
+/// Position of a word that is not part of a longer one.
 fn word(code: &str, wanted: &str) -> Option<usize> {
     let inside = |c: char| c.is_alphanumeric() || c == '_';
     code.match_indices(wanted)
@@ -146,7 +146,7 @@ fn branch(tree: &str, stem: &[String], public: bool, found: &mut Vec<Import>) {
     }
 }
 
-/// The comma-separated parts of a group, nested groups kept whole.
+/// The comma-separated parts of a group; nested groups stay whole.
 fn parts(group: &str) -> Vec<&str> {
     let mut depth = 0_usize;
     group
@@ -161,7 +161,7 @@ fn parts(group: &str) -> Vec<&str> {
         .collect()
 }
 
-/// Modules in files of their own that some code declares.
+/// Modules that some code declares in files of their own.
 pub(super) fn submodules(body: &str) -> BTreeSet<String> {
     let words: Vec<&str> = body.split_whitespace().collect();
     let declared = words.windows(2).filter(|pair| pair[0] == "mod");
@@ -179,7 +179,7 @@ pub(super) fn paths(body: &str) -> BTreeSet<Vec<String>> {
         .collect()
 }
 
-/// The words of some code other than the names of the modules it declares.
+/// The words of some code, except the names of the modules that it declares.
 pub(super) fn words(body: &str) -> BTreeSet<String> {
     let mut before = "";
     let mut found = BTreeSet::new();

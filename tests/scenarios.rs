@@ -9,7 +9,7 @@ fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios")
 }
 
-/// Every file but the defaults.
+/// Every scenario file except the defaults.
 fn files() -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder()).expect("the folder of scenarios");
     let mut files: Vec<PathBuf> = entries.map(|entry| entry.expect("an entry").path()).collect();
@@ -20,7 +20,7 @@ fn files() -> Vec<PathBuf> {
     files
 }
 
-/// A second of flight: nothing is broken.
+/// Asserts that in the first second of flight no fault occurs, the state stays finite and nothing collides.
 fn starts(scenario: &Scenario) {
     let mut flight = scenario.build().expect(&scenario.name);
     for _ in 0..100 {
@@ -106,7 +106,7 @@ fn settings_survive_a_round_trip_through_toml() {
     }
 }
 
-/// Dotted keys of everything in `value`; elements of lists share theirs.
+/// Dotted keys of everything in `value`; all elements of a list have the same key.
 fn keys(value: &toml::Value, path: &str, found: &mut std::collections::BTreeSet<String>) {
     match value {
         toml::Value::Table(table) => {
@@ -135,8 +135,8 @@ fn one_scenario_has_every_key_of_the_format() {
     let text =
         std::fs::read_to_string(folder().join("one_of_everything.toml")).expect("it is there");
     let has = all(&text);
-    // It must pass, so it cannot declare that it fails; a bound has the name of a metric; a sweep would
-    // make it many flights, a golden run needs a file; those have scenarios of their own.
+    // This scenario must pass, so it cannot declare that it fails; a bound needs the name of a metric; a sweep would make it many flights,
+    // and a golden run needs a file. Other scenarios cover these keys.
     let other = ["arena.objects", "expect.fails", "bounds.*.min", "bounds.*.max"];
     let missing: Vec<String> = all(DEFAULTS)
         .into_iter()

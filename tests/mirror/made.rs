@@ -1,4 +1,4 @@
-//! Flights made by these tests, of which everything is known: a vehicle of 1.5 kg on a circle, written as PX4 would.
+//! Synthetic flights whose motion is known exactly: a vehicle of 1.5 kg on a circle, in the formats of PX4.
 
 use std::collections::BTreeMap;
 use std::io::Cursor;
@@ -20,13 +20,13 @@ const SPEED_RAD_S: f64 = 1.2;
 /// Specific force per unit of thrust, m/s².
 pub(crate) const GAIN: f64 = 20.0;
 
-/// The flight controller's clock is behind the recorder's by this much, µs.
+/// Offset of the recorder's clock from the flight controller's clock, µs.
 const CLOCK_US: u64 = 1_700_000_000_000_000;
 
 pub(crate) const ODOMETRY: &str = "uint64 timestamp\nuint64 timestamp_sample\nuint8 pose_frame\nfloat32[3] position\nfloat32[4] q\nuint8 velocity_frame\nfloat32[3] velocity\nfloat32[3] angular_velocity\n";
 pub(crate) const THRUST: &str = "uint64 timestamp\nfloat32[3] xyz\n";
 
-/// Little-endian CDR: what ROS 2 writes.
+/// Writer of little-endian CDR, the format of ROS 2 messages.
 pub(crate) struct Cdr(pub(crate) Vec<u8>);
 
 impl Cdr {
@@ -47,13 +47,13 @@ impl Cdr {
     }
 }
 
-/// What a made file is like.
+/// Properties of a synthetic file.
 #[derive(Clone, Copy)]
 pub(crate) struct Form {
     pub(crate) seconds: f64,
     pub(crate) compression: Option<mcap::Compression>,
     pub(crate) chunk_bytes: u64,
-    /// Nothing is logged from the first to the second time, s.
+    /// Start and end of a gap without messages, s.
     pub(crate) hole_s: Option<(f64, f64)>,
 }
 
@@ -64,7 +64,7 @@ pub(crate) const PLAIN: Form = Form {
     hole_s: None,
 };
 
-/// World (ENU) position and yaw of the circle; the vehicle leans into it as it must.
+/// World (ENU) position, m, and acceleration, m/s², on the circle at a time.
 pub(crate) fn truth(t_s: f64) -> (Vector3<f64>, Vector3<f64>) {
     let angle = SPEED_RAD_S * t_s;
     let position = Vector3::new(RADIUS_M * cos(angle), RADIUS_M * sin(angle), 1.5);
@@ -73,7 +73,7 @@ pub(crate) fn truth(t_s: f64) -> (Vector3<f64>, Vector3<f64>) {
     (position, acceleration)
 }
 
-/// The bytes of a made flight.
+/// The bytes of a synthetic flight as MCAP.
 pub(crate) fn flight(form: Form) -> Vec<u8> {
     let mut writer = mcap::WriteOptions::new()
         .profile("ros2")
@@ -107,7 +107,7 @@ pub(crate) fn flight(form: Form) -> Vec<u8> {
                 MessageHeader { channel_id, sequence: i as u32, log_time, publish_time: log_time };
             writer.write_to_known_channel(&header, &data).expect("written");
         };
-        // The sign of a quaternion means nothing: it changes with every message.
+        // A quaternion and its negative are the same rotation; the sign alternates to test this.
         let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
         let (message, specific_force) = odometry_message(t_us, t_s, sign);
         write(odometry, message);
@@ -118,7 +118,7 @@ pub(crate) fn flight(form: Form) -> Vec<u8> {
     writer.into_inner().into_inner()
 }
 
-/// A log of PX4's own kind: half a second of attitude and thrust.
+/// A ULog of PX4: half a second of attitude and thrust.
 pub(crate) fn ulog() -> Vec<u8> {
     let message =
         |kind: u8, body: &[u8]| [&(body.len() as u16).to_le_bytes()[..], &[kind], body].concat();
@@ -133,19 +133,19 @@ pub(crate) fn ulog() -> Vec<u8> {
     bytes
 }
 
-/// Odometry and thrust of the circle at a time by the flight controller's clock and of the flight.
+/// Odometry and thrust on the circle; `t_us` is the time by the flight controller's clock, `t_s` the time of the flight.
 pub(crate) fn messages(t_us: u64, t_s: f64) -> [Vec<u8>; 2] {
     let (odometry, specific_force) = odometry_message(t_us, t_s, 1.0);
     let thrust = Cdr::new().put(t_us.to_le_bytes()).floats(&[0.0, 0.0, -specific_force / GAIN]).0;
     [odometry, thrust]
 }
 
-/// The odometry message at a time, and the specific force, m/s².
+/// The odometry message at a time, and the specific force in m/s².
 fn odometry_message(t_us: u64, t_s: f64, sign: f64) -> (Vec<u8>, f64) {
     let (p, a) = truth(t_s);
     let force = a + Vector3::z() * 9.81;
     let enu = UnitQuaternion::rotation_between(&Vector3::z(), &force).expect("not opposite");
-    // ENU to NED and FLU to FRD by a second way: half turns about (1 1 0) and about x.
+    // A second way from ENU to NED and from FLU to FRD: half turns about (1 1 0) and about x.
     let ned_from_enu = UnitQuaternion::from_axis_angle(
         &nalgebra::Unit::new_normalize(Vector3::new(1.0, 1.0, 0.0)),
         std::f64::consts::PI,
@@ -165,7 +165,7 @@ fn odometry_message(t_us: u64, t_s: f64, sign: f64) -> (Vec<u8>, f64) {
     (message.0, force.norm())
 }
 
-/// A file of this test run.
+/// Writes a file of this test run.
 pub(crate) fn file(name: &str, bytes: &[u8]) -> PathBuf {
     let folder = std::env::temp_dir().join(format!("twin-mirror-{}", std::process::id()));
     std::fs::create_dir_all(&folder).expect("a folder");
@@ -196,15 +196,15 @@ fn a_flight_in_ned_and_frd_comes_out_where_it_was_flown_with_its_thrust_gain() {
         for (tick, instant) in recorded.instants.iter().enumerate() {
             let (p, _) = truth(recorded.times_s[tick]);
             for row in 0..3 {
-                // f32 at 1 m, and a cubic over 8 ms.
+                // Tolerance: f32 at 1 m, and a cubic over 8 ms.
                 assert!((instant.chi[row].expect("known") - p[row]).abs() < 1e-5, "{tick} {row}");
             }
         }
         let Effort::Fitted { fit, .. } = &recorded.effort else { panic!("{:?}", recorded.effort) };
-        // H takes 0.02 % of the circle's acceleration; f32 and interpolation are less.
+        // Tolerance: `H` changes the circle's acceleration by 0.02 %; f32 and interpolation change it less.
         assert!((fit.gain / GAIN - 1.0).abs() < 1e-3, "{fit:?}");
         assert!(signals.attitude.as_ref().expect("it is there").sign_flips > 1000);
-        // Velocity and angular velocity are NaN and zero in this file: not measured, so differentiated.
+        // This file contains NaN and zeros as velocity and angular velocity: they are not measured, so the poses are differentiated.
         assert!(signals.velocity.is_none() && signals.body_rate.is_none());
         assert!(signals.notes.iter().any(|note| note.contains("BodyRate")), "{:?}", signals.notes);
         let base = signals.used[0].time;
@@ -219,7 +219,7 @@ fn the_residual_of_a_vehicle_that_obeys_physics_is_gravity_and_unknown_rows_are_
     let report = shadow(&recorded, None, &mut |_| {}).expect("ticks");
     for (row, wanted) in [(0, 0.0), (1, 0.0), (2, 9.81)] {
         let found = report.scored.rows[row].residual.expect("known");
-        // The fit's 1e-3 of 10 m/s².
+        // Tolerance: the fit's 1e-3 of 10 m/s².
         assert!((found.mean - wanted).abs() < 0.02, "{row}: {found:?}");
     }
     for row in 3..8 {
@@ -248,7 +248,7 @@ fn nothing_is_known_or_learned_inside_a_hole() {
     assert!(inside > 290 && report.held_ticks >= inside && report.fault_ticks == 0);
 }
 
-/// A record in which each row is a number where `known` says so, and `null` elsewhere.
+/// Asserts that a coordinate of the record is a number if `known` says so, and `null` otherwise.
 fn assert_known(value: &serde_json::Value, known: impl Fn(usize) -> bool, name: &str) {
     for row in 0..8 {
         assert_eq!(value[row].is_number(), known(row), "{name} {row}: {value}");
@@ -258,10 +258,10 @@ fn assert_known(value: &serde_json::Value, known: impl Fn(usize) -> bool, name: 
 
 #[test]
 fn a_tick_says_no_number_that_the_recording_does_not_say() {
-    // The oracle is the recording on its ticks, in which each number is there or `None`.
+    // The oracle is the recording on its ticks, in which each value is a number or `None`.
     let path = file("known.mcap", &flight(Form { hole_s: Some((6.0, 9.0)), ..PLAIN }));
     let (_, mut recorded) = read(&path, &generic());
-    // A rate alone is missing, and the vehicle stands on the ground for a while.
+    // One rate is missing, and the vehicle stands on the ground for some time.
     recorded.instants[300].chi_dot[1] = None;
     recorded.airborne[400..450].fill(false);
     let mut ticks = Vec::new();

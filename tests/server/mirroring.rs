@@ -1,5 +1,5 @@
-//! A recording in the console: labelled as what it is, played, stepped and sought; what makes no sense is refused; what is not
-//! known is NaN.
+//! A recording in the console: the page labels it as a recording, and plays, steps and seeks it. Messages that make no sense are refused,
+//! and unknown values are NaN.
 
 use serde_json::Value;
 
@@ -40,13 +40,13 @@ pub(super) fn mirror_file(
     .expect("a free port")
 }
 
-/// Number of the channel `name` of a `hello`.
+/// Index of the channel `name` in a `hello`.
 fn channel(hello: &Value, name: &str) -> usize {
     let channels = hello["channels"].as_array().expect("a list");
     channels.iter().position(|channel| channel["name"] == name).expect(name)
 }
 
-/// The last of the rows up to tick `last`, with the frames they came in.
+/// The last row up to tick `last`, and the frames received until then.
 fn rows_to(console: &mut Console, schema: &Value, last: u64) -> (Vec<f32>, Vec<Frame>) {
     let mut frames = Vec::new();
     loop {
@@ -76,7 +76,7 @@ fn a_recording_says_what_it_is_and_shows_unknown_rows_as_unknown() {
     console.send(r#"{"type":"seek","t_s":10}"#);
     let sought = console.message("hello");
     let (row, frames) = rows_to(&mut console, &sought["schema_id"], 1000);
-    // Ten seconds before it come along, so that charts have a past.
+    // The ten seconds before the target are sent too, so that the charts show a past.
     assert_eq!(frames[0].first_tick, 0);
     assert_eq!(frames.iter().map(|frame| frame.rows.len()).sum::<usize>(), 1001);
     let value = |name: &str| row[channel(&sought, name)];
@@ -89,11 +89,11 @@ fn a_recording_says_what_it_is_and_shows_unknown_rows_as_unknown() {
     for unknown in [&of_the_residual[..], &of_a_missing_arm, &of_another_controller].concat() {
         assert!(value(unknown).is_nan(), "{unknown}");
     }
-    // The yaw is measured, although no torque about it is: it can be compared with the yaw that was expected.
+    // The yaw is measured although no torque about it is known: it can be compared with the expected yaw.
     for known in ["chi.psi", "chi_des.psi", "error.psi"] {
         assert!(value(known).is_finite(), "{known}");
     }
-    // The ghost of half a second before is near a vehicle that obeys physics.
+    // A ghost from half a second before stays near a vehicle that obeys physics.
     assert!(value("error.x").abs() < 0.05, "{}", value("error.x"));
 }
 
@@ -171,7 +171,7 @@ fn what_would_act_on_a_vehicle_is_refused_with_the_reason() {
     let headers = "Content-Type: application/json\r\n";
     let (status, answer) = http(running.address(), "POST /api/gains", headers, body);
     assert_eq!(status, 422, "{answer}");
-    // The adapter's gains are in force.
+    // The adapter's gains can be changed.
     console.send(r#"{"type":"set_gain","name":"forgetting","value":0.98}"#);
     console.send(r#"{"type":"step","ticks":1}"#);
     assert_eq!(console.message("gain")["value"], 0.98);

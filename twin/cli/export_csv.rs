@@ -26,7 +26,7 @@ pub(super) struct CsvArgs {
     map: Option<String>,
 }
 
-/// One group of eight columns: stem and where its numbers are.
+/// One group of eight columns, one per coordinate: name stem and how to read its values from a tick.
 type Group = (&'static str, fn(&Tick) -> KnownCoords);
 
 const GROUPS: [Group; 8] = [
@@ -56,7 +56,7 @@ pub(super) fn run(args: &CsvArgs) -> anyhow::Result<End> {
             eprintln!("{rows} ticks, {} columns; SI units, empty is unknown", columns().len());
             Ok(End::Passed)
         }
-        // A reader that has seen enough is no failure.
+        // A reader that closes the pipe early is no failure.
         Err(error) if is_closed_pipe(&error) => Ok(End::Passed),
         Err(error) => Err(error),
     }
@@ -73,7 +73,7 @@ fn columns() -> Vec<String> {
     ["tick", "t_s"].map(str::to_owned).into_iter().chain(rows).chain(["reset".to_owned()]).collect()
 }
 
-/// The number of ticks written.
+/// Writes the table and returns the number of ticks.
 fn write(args: &CsvArgs, out: &mut dyn Write) -> anyhow::Result<usize> {
     let opened = OpenedFlight::open(&args.file, args.map.as_deref())?;
     writeln!(out, "{}", columns().join(","))?;
@@ -92,7 +92,7 @@ fn write(args: &CsvArgs, out: &mut dyn Write) -> anyhow::Result<usize> {
     Ok(shadow.ticks())
 }
 
-/// A line; what is unknown, or no number, is an empty cell.
+/// One line of the table. An unknown value, or one that is not a number, is an empty cell.
 fn line(tick: &Tick) -> String {
     let mut cells = vec![tick.index.to_string(), tick.measurement.t_s.to_string()];
     for (_, take) in GROUPS {

@@ -55,7 +55,7 @@ pub(super) struct FlyArgs {
     overrides: Overrides,
 }
 
-/// Simulated seconds per second; `None` is as fast as the machine can.
+/// Simulated seconds per second; `None` flies as fast as the machine can.
 #[derive(Clone, Copy)]
 pub(super) struct Speed(pub(super) Option<f64>);
 
@@ -98,7 +98,7 @@ pub(super) fn run(args: &FlyArgs) -> anyhow::Result<End> {
     Ok(End::Passed)
 }
 
-/// Usable scenarios beside `file`, by name: what a restart may choose from.
+/// Usable scenarios in the folder of `file`, by name: a restart chooses from them.
 fn catalogue(file: &Path, overrides: &[String]) -> Vec<Scenario> {
     let folder = file
         .parent()
@@ -114,7 +114,7 @@ fn catalogue(file: &Path, overrides: &[String]) -> Vec<Scenario> {
     files.iter().filter_map(|path| Scenario::load(path, overrides).ok()).collect()
 }
 
-/// Flies to the end; events on stderr as they happen, the verdict on stdout.
+/// Flies to the end, with events on stderr as they happen and the verdict on stdout.
 fn headless(scenario: &Scenario, args: &FlyArgs) -> anyhow::Result<End> {
     #[allow(
         clippy::disallowed_methods,

@@ -20,7 +20,7 @@ use super::End;
 use super::fly::{Speed, parse_speed};
 use super::mirror_beside as beside;
 
-/// While nothing is heard, it is said after so long what is waited for.
+/// Time without data after which the program says what it waits for.
 const TOLD: Duration = Duration::from_secs(5);
 
 #[derive(Args)]
@@ -115,7 +115,7 @@ fn options(args: &MirrorArgs, opened: OpenedFlight, live: Option<Live>) -> Mirro
         host: args.host.clone(),
         port: args.port,
         speed: args.rate.0,
-        // A flight that still goes on is watched where it is.
+        // A live flight starts at its newest tick.
         start_s: if live.is_some() { f64::MAX } else { args.start_offset },
         live,
         start_paused: args.start_paused,
@@ -124,7 +124,7 @@ fn options(args: &MirrorArgs, opened: OpenedFlight, live: Option<Live>) -> Mirro
     }
 }
 
-/// Where a flight comes from that still goes on, if it is one.
+/// The source of a live flight; `None` for a finished recording.
 fn live(args: &MirrorArgs) -> anyhow::Result<Option<From>> {
     let address = is_address(&args.file);
     anyhow::ensure!(
@@ -139,7 +139,7 @@ fn live(args: &MirrorArgs) -> anyhow::Result<Option<From>> {
     })
 }
 
-/// Waits until a pose is heard, and says what it waits for.
+/// Waits for the first pose and reports what is missing.
 fn hear(from: &From, args: &MirrorArgs) -> anyhow::Result<(Live, OpenedFlight)> {
     let live = Live::listen(from, args.map.as_deref())?;
     loop {
@@ -151,7 +151,7 @@ fn hear(from: &From, args: &MirrorArgs) -> anyhow::Result<(Live, OpenedFlight)> 
     }
 }
 
-/// Opens the flight, with a bar if it has to be read whole.
+/// Opens the flight, with a progress bar if the whole file has to be read.
 fn open(args: &MirrorArgs) -> anyhow::Result<OpenedFlight> {
     let bar = ProgressBar::no_length().with_style(
         ProgressStyle::with_template("{msg} [{wide_bar}] {bytes}/{total_bytes}, {eta} left")
@@ -166,7 +166,7 @@ fn open(args: &MirrorArgs) -> anyhow::Result<OpenedFlight> {
     Ok(opened?)
 }
 
-/// Flies in shadow to the end, and records or draws it if that is asked for.
+/// Flies in shadow to the end; records and draws the flight if asked to.
 fn fly(
     opened: &OpenedFlight,
     shadow: &Shadow,
@@ -214,7 +214,7 @@ fn recording_info(opened: &OpenedFlight, shadow: &Shadow) -> anyhow::Result<Reco
         seed: 0,
         gains_json: serde_json::to_string(shadow.tuning())?,
         urdf: String::new(),
-        // Nothing is known of its actuators.
+        // The actuators of a recorded vehicle are unknown.
         limits_json: "{}".to_owned(),
         predictor_json: serde_json::to_string(&PredictorInfo {
             scale: *shadow.scale(),

@@ -8,7 +8,7 @@ use twin_foreign::OpenedFlight;
 use twin_foreign::divergence::HORIZONS;
 use twin_foreign::{DivergenceReport, Flyer, Light, Shadow, Twin, TwinFlight};
 
-/// The twin of the vehicle in `urdf`, or of the mass and inertia that are known.
+/// The twin of the vehicle in `urdf`, or one rigid body of the known mass and inertia.
 pub(super) fn twin(urdf: Option<&Path>, opened: &OpenedFlight) -> anyhow::Result<Twin> {
     Ok(match urdf {
         Some(file) => Twin::urdf(file, &opened.recorded.joint_names)?,
@@ -23,7 +23,7 @@ pub(super) struct Divergence {
 }
 
 impl Divergence {
-    /// Flies the twin along the whole flight, and also from `fly_from`, s, if it is given.
+    /// Flies the twin along the whole flight, and also once from `fly_from`, s, if it is given.
     pub(super) fn new(
         opened: &OpenedFlight,
         shadow: &Shadow,

@@ -1,9 +1,8 @@
 //! Algorithm 1 of the paper, one tick at a time: the file to read first.
 //!
-//! In: the [`Parts`], among them a source of measurements, a task, a predictor with its adapter, a controller. Out: one [`Tick`]
-//! per 10 ms.
-//! State: what those parts hold, the values in force ([`Tuning`]) and the last command. No I/O, no clock, no thread, no
-//! unseeded randomness.
+//! In: the [`Parts`], among them a source of measurements, a task, a predictor with its adapter, a controller. Out: one [`Tick`] per 10 ms.
+//! State: the state of those parts, the values in force ([`Tuning`]) and the last command. No I/O, no clock, no thread, no unseeded
+//! randomness.
 
 mod schedule;
 mod parts;
@@ -25,7 +24,7 @@ use crate::tuning::Tuning;
 use schedule::Schedule;
 use stand_ins::StandIns;
 
-/// Beyond this pitch Euler angles lose their meaning, rad.
+/// Pitch beyond which ZYX Euler angles are too near to their singularity, rad.
 const PITCH_LIMIT_RAD: f64 = 80.0 * std::f64::consts::PI / 180.0;
 
 /// A flight in progress. [`Parts`] has an example, from the parts to the last tick.
@@ -42,7 +41,7 @@ pub struct Flight {
     notes: Vec<Event>,
     hash: u64,
     outer: Option<Outer>,
-    /// A release not yet seen by the outer loop.
+    /// Residual after a release that the outer loop has not yet processed, N and N m.
     release: Option<Coords>,
 }
 
@@ -71,7 +70,7 @@ impl Flight {
         }
     }
 
-    /// The same with its first tick numbered `index`: a flight that is looked at from its middle on.
+    /// A flight from its parts whose first tick has the number `index`: it starts in the middle of a recording.
     pub fn starting_at(parts: Parts, index: u64) -> Self {
         Self { index, ..Self::new(parts) }
     }
@@ -92,7 +91,7 @@ impl Flight {
         self.prolong(disturbance);
     }
 
-    /// Changes the world without an event: a disturbance that was noted goes on.
+    /// Continues a disturbance that was already noted: it changes the world without another event.
     pub fn prolong(&mut self, disturbance: &Disturbance) {
         self.parts.source.disturb(disturbance);
     }
@@ -102,7 +101,7 @@ impl Flight {
         self.parts.adapter.spectrum()
     }
 
-    /// What predicts.
+    /// The predictor.
     pub fn predictor(&self) -> &dyn Predictor {
         self.parts.predictor.as_ref()
     }
@@ -122,13 +121,13 @@ impl Flight {
         self.tick_with(&mut |_| {})
     }
 
-    /// One control period; `done` is told as each stage ends.
+    /// One control period; calls `done` at the end of each stage.
     pub fn tick_with(&mut self, done: &mut dyn FnMut(Stage)) -> Tick {
         let now_s = self.index as f64 * TICK_S;
         while let Some(disturbance) = self.schedule.next(now_s) {
             self.disturb(&disturbance);
         }
-        // Line 2: measure. The inner rows run inside.
+        // Line 2: measure. The inner controller runs inside the source.
         let mut inner = LoggedInnerLoop { inner: &mut self.parts.inner, last: self.actuators };
         let measured = self.parts.source.advance(&self.setpoint, &mut inner);
         self.actuators = inner.last;
@@ -201,7 +200,7 @@ impl Flight {
         Outer { residual, forecast, adapted, control }
     }
 
-    /// A non-finite measurement is replaced by the last good one and becomes a fault.
+    /// Replaces a non-finite measurement by the last finite one and sets a fault.
     fn check(&mut self, measured: Measurement) -> Measurement {
         let finite = [&measured.chi, &measured.chi_dot, &measured.chi_ddot, &measured.tau_applied]
             .iter()
@@ -213,7 +212,7 @@ impl Flight {
         } else {
             None
         };
-        // Whether a fault of the prediction is over shows at the next forecast.
+        // Only the next forecast shows whether a fault of the prediction is over.
         if fault.is_some() || self.fault != Some(Fault::NonFinitePrediction) {
             self.set_fault(fault);
         }
@@ -271,7 +270,7 @@ impl Flight {
         }
     }
 
-    /// A set-point reaches the inner rows only if it is finite.
+    /// Passes a set-point to the inner controller only if it is finite.
     fn accept(&mut self, setpoint: &Setpoint) {
         let finite =
             setpoint.force_in_world_n.iter().chain(setpoint.r_hat.iter()).all(|x| x.is_finite())
@@ -324,7 +323,7 @@ impl Flight {
     }
 }
 
-/// Result of the outer loop, held between its periods.
+/// Result of the outer loop, which stays in force until its next period.
 #[derive(Clone)]
 struct Outer {
     residual: KnownCoords,
@@ -334,7 +333,7 @@ struct Outer {
 }
 
 impl Outer {
-    /// The same a tick later: nothing new but the measured residual.
+    /// The same result one tick later: only the measured residual is new.
     fn held(mut self, residual: KnownCoords) -> Self {
         self.residual = residual;
         self.adapted.reset = false;
@@ -342,12 +341,13 @@ impl Outer {
     }
 }
 
-/// The adapted estimate with nominal gravity in the rows whose residual is unknown; nominal gravity alone if it is not finite.
+/// The adapted estimate, with nominal gravity in the coordinates whose residual is unknown; nominal gravity alone if the estimate is not
+/// finite. N and N m.
 fn usable(adapted: &Adapted, nominal_gravity: &Coords) -> Coords {
     if adapted.r_hat.is_finite() { adapted.r_hat.or(nominal_gravity) } else { *nominal_gravity }
 }
 
-/// Remembers the last command of the inner rows.
+/// Runs the inner controller and remembers its last command.
 struct LoggedInnerLoop<'a> {
     inner: &'a mut InnerController,
     last: ActuatorCommand,

@@ -7,8 +7,9 @@
 //! **Generalised force.** `tau = [F_x F_y F_z | tau_phi tau_theta tau_psi | tau_q1 tau_q2]` is dual to `chi`: world
 //! force in N, `E(eta)^T` times the body moment in N m, joint torque in N m.
 //!
-//! **Known and unknown.** What a source does not say is unknown: [`KnownCoords`] says it per row, from the measurement to the
-//! wire and the file. It is NaN to whoever reads it as a number and `null` in files, never zero and never the last value.
+//! **Known and unknown.** A value that a source does not provide is unknown: [`KnownCoords`] carries this per coordinate, from the
+//! measurement to telemetry and files. An unknown value reads as NaN in code and as `null` in files, never as zero and never as the
+//! last value.
 //!
 //! **Names.** A public field is a word with its unit (`payload_kg`); a local in a formula is the paper's letter.
 //! Rotations and poses read right to left: `world_from_body * vector_in_body = vector_in_world`.
@@ -33,19 +34,19 @@ pub const N: usize = 8;
 /// One value per generalised coordinate, `[x y z phi theta psi q1 q2]`; m and rad, or N and N m.
 pub type Coords = SVector<f64, N>;
 
-/// Row names in coordinate order.
+/// Names of the coordinates, in their order.
 pub const COORDINATE_NAMES: [&str; N] = ["x", "y", "z", "phi", "theta", "psi", "q1", "q2"];
 
 /// Standard gravity used by plant and models, m/s².
 pub const GRAVITY_M_S2: f64 = 9.81;
 
-/// Period of the outer loop (residual, adapter, translation rows, task), s.
+/// Period of the outer loop (residual, adapter, control of x y z, task), s.
 pub const TICK_S: f64 = 0.01;
 
 /// Largest number of rotors a vehicle may have.
 pub const MAX_ROTORS: usize = 8;
 
-/// One value per rotor; entries beyond the vehicle's rotors are zero.
+/// One value per rotor; the entries of rotors that the vehicle does not have are zero.
 pub type PerRotor = [f64; MAX_ROTORS];
 
 /// `world_from_body` for ZYX Euler angles `eta = [phi theta psi]`, rad.
@@ -100,19 +101,19 @@ pub fn wrap_angle(angle: f64) -> f64 {
     if wrapped > PI { wrapped - TAU } else { wrapped }
 }
 
-/// Tracking error `e = chi - chi_des` with the yaw row wrapped.
+/// Tracking error `e = chi - chi_des` with the yaw wrapped.
 pub fn tracking_error(chi: &Coords, chi_des: &Coords) -> Coords {
     let mut e = chi - chi_des;
     e[5] = wrap_angle(e[5]);
     e
 }
 
-/// Position rows of a coordinate vector.
+/// Position `[x y z]` of a coordinate vector, m.
 pub fn position(c: &Coords) -> Vector3<f64> {
     c.fixed_rows::<3>(0).into_owned()
 }
 
-/// Attitude rows `[phi theta psi]` of a coordinate vector.
+/// Attitude `[phi theta psi]` of a coordinate vector, rad.
 pub fn attitude(c: &Coords) -> Vector3<f64> {
     c.fixed_rows::<3>(3).into_owned()
 }

@@ -7,7 +7,7 @@ use nalgebra::{Vector2, Vector3};
 use crate::quantity::{self, Quantity};
 use crate::tick::{ActuatorCommand, Measurement, Setpoint, Truth};
 
-/// What the inner rows see, at 500 Hz.
+/// State that the inner controller reads, at 500 Hz.
 #[derive(Clone, Copy, Debug)]
 pub struct InnerState {
     /// Measured attitude `[phi theta psi]`, rad, `psi` unwrapped.
@@ -20,15 +20,15 @@ pub struct InnerState {
     pub joint_dot: Vector2<f64>,
 }
 
-/// Attitude and joint rows with allocation: pure, called by the source every `inner_period_s`.
+/// The inner controller with allocation: pure; the source calls it every `inner_period_s`.
 pub trait InnerLoop {
-    /// The command for this instant; total, never fails, finite for finite input.
+    /// The actuator command for this state; total, never fails, finite for finite input.
     fn command(&mut self, setpoint: &Setpoint, state: &InnerState) -> ActuatorCommand;
 }
 
-/// Something that can be flown or replayed.
+/// A source of measurements that can be flown or replayed.
 ///
-/// A point mass, integrated by hand. It has no attitude, so the force acts at once, and it calls no inner controller:
+/// Example: a point mass, integrated by hand. It has no attitude, so the force acts at once, and it calls no inner controller.
 ///
 /// ```
 /// # use nalgebra::{Vector2, Vector3};
@@ -78,10 +78,10 @@ pub trait InnerLoop {
 /// assert!((fallen.chi[2] + GRAVITY_M_S2 / 2.0).abs() < 1e-12);
 /// ```
 pub trait Source {
-    /// Advances one tick under `setpoint`, running `inner` at its own rate, and measures.
+    /// Advances one tick under `setpoint`, calls `inner` at its own rate, and measures.
     fn advance(&mut self, setpoint: &Setpoint, inner: &mut dyn InnerLoop) -> Measurement;
 
-    /// The true state after the last advance; `None` where nobody knows it.
+    /// The true state after the last advance; `None` if the source does not know it.
     fn truth(&self) -> Option<Truth>;
 
     /// Applies a change that an operator or a scenario asked for, between two ticks.
@@ -115,14 +115,14 @@ pub enum Disturbance {
     Effect {
         /// `rotor_drag`, `body_drag`, `ground_effect`, `downwash` or `wind`.
         name: String,
-        /// In force or not.
+        /// True switches it on.
         on: bool,
     },
     /// A part of the vehicle fails or works again.
     Failure {
         /// What fails.
         failure: Failure,
-        /// It begins (`true`) or is over.
+        /// True if the failure begins, false if it ends.
         on: bool,
     },
 }
@@ -147,24 +147,24 @@ pub enum Failure {
     },
     /// The joint encoders repeat their last angle and report no fresh rate.
     EncoderDropout,
-    /// A rotor gives a part of its thrust.
+    /// A rotor gives only a part of its thrust.
     MotorEfficiency {
-        /// Which, from 0.
+        /// Index of the rotor, from 0.
         rotor: usize,
-        /// Thrust given per thrust of a healthy rotor.
+        /// Actual thrust divided by the thrust of a healthy rotor.
         factor: f64,
     },
-    /// Friction of pads and payload.
+    /// The friction between pads and payload changes.
     GripperSlip {
-        /// Coefficient meanwhile.
+        /// Coefficient of friction during the failure.
         friction: f64,
     },
-    /// Wind on top of the scenario's.
+    /// A gust is added to the scenario's wind.
     Gust {
         /// `[x y z]` in the world, m/s.
         velocity_m_s: [f64; 3],
     },
-    /// The last command of the inner rows stays on the actuators.
+    /// The actuators keep the last command of the inner controller.
     ComputerStall,
     /// The predictor answers NaN.
     PredictorNan,
@@ -188,7 +188,7 @@ impl Failure {
 }
 
 impl Disturbance {
-    /// Every number that a client may set, with what bounds it; those of a failure are a scenario's alone.
+    /// Every number of it that a client may set, with its quantity; a failure has none, because only a scenario sets its numbers.
     pub fn numbers(&self) -> Vec<(&'static Quantity, f64)> {
         let each = |quantity, values: &[f64]| values.iter().map(|v| (quantity, *v)).collect();
         match self {
@@ -203,7 +203,7 @@ impl Disturbance {
         }
     }
 
-    /// What happens, for people.
+    /// One sentence for people.
     pub fn sentence(&self) -> String {
         match self {
             Disturbance::PayloadMass { kg } => format!("payload is now {:.0} g", kg * 1e3),

@@ -1,16 +1,16 @@
-//! Every record that crosses a stage of the loop. [`Tick`] = one control period, built once at its end and never changed:
-//! the recorder, the browser, the verdict and the tests all read this one record.
+//! Every record that crosses a stage of the loop. A [`Tick`] is one control period, built once at its end and never changed: recorder,
+//! browser, verdict and tests all read this record.
 //!
-//! What nobody knows is unknown in the record itself, row by row ([`KnownCoords`]).
+//! A value that the source does not provide is unknown in the record itself, per coordinate ([`KnownCoords`]).
 //!
-//! No record here holds wall-clock time, so two runs of one seed are equal bit for bit.
+//! No record here contains wall-clock time, so two runs of one seed are equal bit for bit.
 
 use nalgebra::{Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
 use crate::notation::{Coords, KnownCoords, KnownMask, PerRotor, known_in_both};
 
-/// What the source measured in one control period: the input of everything above the source.
+/// Measurement of one control period: the input of every stage after the source.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Measurement {
     /// Simulated (or recorded) time at the end of the period, s.
@@ -27,14 +27,14 @@ pub struct Measurement {
     pub gripper: GripperReading,
     /// Payload pose by motion capture; `None` where nothing measures it.
     pub payload: Option<PayloadReading>,
-    /// A rotor or a joint ran into its limit during the period.
+    /// A rotor or a joint reached its limit during the period.
     pub saturated: bool,
-    /// The vehicle flies, as far as its source can tell: on the ground the residual would be the force of the floor.
+    /// The vehicle flies, according to its source; on the ground the residual would be the force of the floor.
     #[serde(default = "flies", skip_serializing_if = "is_true")]
     pub airborne: bool,
 }
 
-/// Recordings of simulated flights, and those made before this field existed, do not say it.
+/// Default for recordings without this field: simulated flights, and those made before the field existed.
 fn flies() -> bool {
     true
 }
@@ -45,7 +45,7 @@ fn is_true(value: &bool) -> bool {
 }
 
 impl Measurement {
-    /// The rows of which a residual can be formed: force and acceleration are known, and the vehicle flies.
+    /// The coordinates in which a residual can be formed: force and acceleration are known, and the vehicle flies.
     pub fn residual_known(&self) -> KnownMask {
         let known = known_in_both(self.tau_applied.known(), self.chi_ddot.known());
         known.map(|known| known && self.airborne)
@@ -70,7 +70,7 @@ pub struct PayloadReading {
     pub yaw_rad: f64,
 }
 
-/// A pose as the viewers want it.
+/// A pose in the format of the viewers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pose {
     /// Origin in the world, m.
@@ -79,7 +79,7 @@ pub struct Pose {
     pub quaternion_wxyz: [f64; 4],
 }
 
-/// One contact point with the force the second body receives.
+/// One contact point with the force on the second body.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Contact {
     /// Point in the world, m.
@@ -88,7 +88,7 @@ pub struct Contact {
     pub force_in_world_n: [f64; 3],
 }
 
-/// What really happened, known to the simulated plant alone: for metrics, verdict and viewers, never for the loop.
+/// The true state, which only the simulated plant knows: for metrics, verdict and viewers, never for the loop.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Truth {
     /// True coordinates.
@@ -107,7 +107,7 @@ pub struct Truth {
     pub payload_in_palm: Vector3<f64>,
     /// Sum of contact forces between fingers and payload (normal), N.
     pub grip_force_n: f64,
-    /// Largest contact force on the vehicle other than through the fingers' pads, N.
+    /// Largest contact force on the vehicle, except through the fingers' pads, N.
     pub collision_force_n: f64,
     /// Wind at the vehicle in the world, m/s.
     pub wind_in_world: Vector3<f64>,
@@ -117,54 +117,54 @@ pub struct Truth {
     pub contacts: Vec<Contact>,
 }
 
-/// What to fly at this tick.
+/// Desired motion at this tick.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reference {
-    /// Desired coordinates; the roll and pitch entries are filled by the command filter of the inner loop.
+    /// Desired coordinates; the command filter of the inner controller fills roll and pitch.
     pub chi_des: KnownCoords,
     /// Desired rates.
     pub chi_des_dot: KnownCoords,
     /// Desired accelerations.
     pub chi_des_ddot: Coords,
-    /// What the gripper shall do.
+    /// Command to the gripper.
     pub gripper: GripperCommand,
-    /// How freely the residual estimate may move at this tick.
+    /// Freedom of the residual estimate at this tick.
     pub adaptation: Adaptation,
-    /// The reference holds the measured pose (allowed in contact only); left out of transport metrics.
+    /// The reference follows the measured pose (in contact only); transport metrics leave this tick out.
     pub follows_measurement: bool,
-    /// The payload hangs in the gripper and moves with it: the ticks of `rms_error_e8_transport`.
+    /// The payload hangs in the gripper and moves with it: `rms_error_e8_transport` covers these ticks.
     pub transporting: bool,
-    /// The path runs at its cruise speed: the ticks of `transport_speed_m_s`.
+    /// The path runs at its cruise speed: `transport_speed_m_s` covers these ticks.
     pub cruising: bool,
-    /// The payload is put down at this tick and the residual without it is known, N and N m: estimate and adapter jump there.
+    /// Residual without the payload, N and N m, at the tick in which the payload is put down: estimate and adapter jump to it.
     pub release: Option<Coords>,
 }
 
-/// How freely the residual estimate may move.
+/// Freedom of the residual estimate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Adaptation {
-    /// Follows the adapter.
+    /// The estimate follows the adapter.
     #[default]
     Free,
-    /// Stays within a window around its value when the window began: a finger that stands on something cannot wind it up.
+    /// The estimate stays within a window around its value when the window began, so a finger that stands on something cannot wind it up.
     Bounded,
-    /// Held: in contact with box or table. The adapter and its reset detector are held too.
+    /// The estimate is frozen in contact with box or table, and so are the adapter and its reset detector.
     Held,
 }
 
-/// What the gripper shall do.
+/// Command to the gripper.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum GripperCommand {
     /// Keep the fingers open.
     #[default]
     Open,
-    /// Close and squeeze with the force of the gripper.
+    /// Close and squeeze with the gripper's force.
     Close,
 }
 
-/// Output of the frozen predictor.
+/// Output of the predictor.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Forecast {
     /// Base forecast `r_hat_base(t+j|t)` for `j = 0..=k`, N and N m; never empty. Known where the residual is.
@@ -179,9 +179,9 @@ pub struct Forecast {
 /// Output of the Latent Residual Adapter.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Adapted {
-    /// Adapted residual estimate of this tick, N and N m; known where the residual is, as all of the following.
+    /// Adapted residual estimate of this tick, N and N m. It is known where the residual is known, and so are the following fields.
     pub r_hat: KnownCoords,
-    /// The same before this tick's residual was seen (a priori): what every prediction metric uses, N and N m.
+    /// The estimate before this tick's residual was known (a priori), N and N m: every prediction metric uses it.
     pub r_hat_prior: KnownCoords,
     /// A-priori innovation `eps_t` in the adapter's units (z-scored by default).
     pub innovation: KnownCoords,
@@ -199,11 +199,11 @@ pub struct Adapted {
     pub weight_norm: f64,
     /// The covariance was reset at this tick.
     pub reset: bool,
-    /// The adapter was held at this tick.
+    /// The adapter was frozen at this tick.
     pub frozen: bool,
 }
 
-/// What the outer loop asks of the inner rows until the next tick.
+/// Set-point of the inner controller until the next tick.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Setpoint {
     /// Desired force in the world, N.
@@ -216,30 +216,31 @@ pub struct Setpoint {
     pub joint_des_dot: Vector2<f64>,
     /// Desired joint accelerations, rad/s².
     pub joint_des_ddot: Vector2<f64>,
-    /// Residual estimate in force (low-passed and clipped), N and N m: a number in every row, also where the residual is unknown.
+    /// Residual estimate in force (low-passed and clipped), N and N m: it has a number in every coordinate, even where the residual is
+    /// unknown.
     pub r_hat: Coords,
-    /// Norm of the sliding variable, held between ticks.
+    /// Norm of the sliding variable, constant between ticks.
     pub sliding_norm: f64,
-    /// Robust gain `sigma_hat`, held between ticks.
+    /// Robust gain `sigma_hat`, constant between ticks.
     pub robust_gain: f64,
-    /// Law and gains of the inner rows.
+    /// Law and gains of the inner controller.
     pub rows: InnerGains,
     /// Gripper command.
     pub gripper: GripperCommand,
 }
 
-/// Which law drives attitude and joints.
+/// Control law of attitude and joints.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum InnerLaw {
-    /// The paper's rows (`eq:control_input`) on attitude and joints.
+    /// The paper's law (`eq:control_input`) on attitude and joints.
     #[default]
     Rows,
-    /// A PX4-like rate loop on attitude, the paper's rows on the joints.
+    /// A PX4-like rate controller on attitude, the paper's law on the joints.
     RateLoop,
 }
 
-/// Gains of the inner rows, in coordinate order.
+/// Gains of the inner controller, in coordinate order.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct InnerGains {
     /// Law on attitude.
@@ -254,21 +255,21 @@ pub struct InnerGains {
     pub boundary_layer: f64,
 }
 
-/// What the actuators were asked last.
+/// Last command to the actuators.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ActuatorCommand {
     /// Thrust of each rotor, N.
     pub rotor_thrust_n: PerRotor,
     /// Joint torques, N m.
     pub joint_torque_n_m: Vector2<f64>,
-    /// The allocation had to give something up.
+    /// The allocation could not realise the whole command.
     pub saturated: bool,
 }
 
-/// Internal values of the controller that an operator wants to see.
+/// Internal values of the controller, for an operator.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ControlState {
-    /// Tracking error `e`, yaw wrapped; roll and pitch against the command filter.
+    /// Tracking error `e`, yaw wrapped; roll and pitch are compared with the command filter.
     pub error: KnownCoords,
     /// Sliding variable `s`.
     pub sliding: KnownCoords,
@@ -276,15 +277,15 @@ pub struct ControlState {
     pub robust_gain: f64,
 }
 
-/// Why a tick fell back to a safer mode.
+/// Fault that makes a tick use a safer mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Fault {
-    /// A measurement was not finite: the last command is held.
+    /// A measurement was not finite: the last measurement stays in force.
     NonFiniteMeasurement,
     /// The predictor or adapter returned a non-finite value: the nominal residual is used.
     NonFinitePrediction,
-    /// `|theta| > 80°`: Euler angles are about to lose their meaning.
+    /// `|theta| > 80°`: Euler angles are near their singularity.
     PitchBeyondRange,
 }
 
@@ -298,13 +299,13 @@ pub enum EventKind {
     Grasp,
     /// The payload is put down.
     Release,
-    /// A pick attempt was given up and is tried again.
+    /// A pick attempt failed and is repeated.
     Retry,
     /// The covariance was reset.
     Reset,
     /// A gain changed.
     Gain,
-    /// The payload or the wind changed by the scenario or an operator.
+    /// A scenario or an operator changed the payload or the wind.
     Disturbance,
     /// A fault began or ended.
     Fault,
@@ -312,10 +313,10 @@ pub enum EventKind {
     Verdict,
 }
 
-/// Something an operator wants to find again on the time line.
+/// An event that an operator wants to find on the time line.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Event {
-    /// What kind of thing happened.
+    /// Kind of the event.
     pub kind: EventKind,
     /// One sentence for people.
     pub text: String,
@@ -333,11 +334,11 @@ impl Event {
 pub struct Tick {
     /// Number of the tick, from 0.
     pub index: u64,
-    /// What was measured.
+    /// Measurement of this tick.
     pub measurement: Measurement,
-    /// What really happened; `None` for a real flight.
+    /// True state; `None` for a real flight.
     pub truth: Option<Truth>,
-    /// What was to be flown.
+    /// Reference of this tick.
     pub reference: Reference,
     /// Measured residual `r_t`, N and N m (`eq:residual_dynamics`).
     pub residual: KnownCoords,
@@ -345,15 +346,15 @@ pub struct Tick {
     pub forecast: Forecast,
     /// Adapted forecast.
     pub adapted: Adapted,
-    /// Controller internals.
+    /// Internal values of the controller.
     pub control: ControlState,
-    /// What the inner rows will follow until the next tick.
+    /// Set-point of the inner controller until the next tick.
     pub setpoint: Setpoint,
-    /// What the actuators were asked last.
+    /// Last command to the actuators.
     pub actuators: ActuatorCommand,
     /// Name of the task's phase.
     pub phase: String,
-    /// What happened at this tick.
+    /// Events of this tick.
     pub events: Vec<Event>,
     /// The fault in force, if any.
     pub fault: Option<Fault>,

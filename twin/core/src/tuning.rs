@@ -1,7 +1,7 @@
-//! The values in force of a flight: where each gain of the registry of quantities lives, and how it is read and set.
+//! The values in force of a flight: which field holds each gain of the registry, and how a gain is read and set.
 //!
-//! Every slider of every client, every `gains.*` key of a scenario and every recorded gain event goes through
-//! [`Tuning::set`], so there is one place that decides what is allowed.
+//! Every slider of a client, every `gains.*` key of a scenario and every recorded gain event calls [`Tuning::set`], so one function decides
+//! which values are allowed.
 
 use serde::{Deserialize, Serialize};
 
@@ -19,12 +19,12 @@ pub struct Tuning {
     pub adapter: lra::Settings,
 }
 
-/// One value an operator may change.
+/// One gain that an operator may change.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameter {
     /// Stable name, `slope.x`.
     pub name: String,
-    /// Group it is shown under.
+    /// Group in which it is shown.
     pub group: &'static str,
     /// Symbol as in the paper, `Φ x`.
     pub label: String,
@@ -38,9 +38,9 @@ pub enum TuningError {
     /// No parameter has this name.
     #[error("no gain is called {name:?}; allowed: {allowed}")]
     UnknownName {
-        /// What was asked for.
+        /// Name that was given.
         name: String,
-        /// What exists.
+        /// Existing names.
         allowed: String,
     },
     /// The value is NaN, infinite or outside its range.
@@ -48,7 +48,7 @@ pub enum TuningError {
     OutOfRange(#[from] OutOfRange),
 }
 
-/// A gain that is one number, named as its quantity.
+/// A gain that is a single number, named like its quantity.
 struct Scalar {
     quantity: &'static Quantity,
     group: &'static str,
@@ -68,7 +68,7 @@ const fn scalar(
 const ROBUST: &str = "Robust term";
 const ADAPTER: &str = "Adapter";
 
-/// In the order they are shown.
+/// The single gains in the order of display.
 static SCALARS: [Scalar; 12] = [
     scalar(&quantity::LEAK, ROBUST, "ν", |t| Slot::Number(&mut t.gains.leak)),
     scalar(&quantity::ROBUST_GAIN_INITIAL, ROBUST, "σ̂(0)", |t| {
@@ -99,7 +99,7 @@ static SCALARS: [Scalar; 12] = [
 ];
 
 impl Tuning {
-    /// Every value an operator may change, in the order it is shown.
+    /// Every gain that an operator may change, in the order of display.
     pub fn parameters() -> Vec<Parameter> {
         let rows = |stem: &'static str, group: &'static str, letter: &'static str| {
             COORDINATE_NAMES.iter().enumerate().map(move |(index, row)| Parameter {
@@ -134,7 +134,7 @@ impl Tuning {
     /// Sets `name` to `value` after checking both.
     ///
     /// # Errors
-    /// [`TuningError`] for an unknown name and for a value that is not finite or out of range; nothing is changed then.
+    /// [`TuningError`] for an unknown name and for a value that is not finite or out of range; then nothing is changed.
     pub fn set(&mut self, name: &str, value: f64) -> Result<(), TuningError> {
         let parameters = Self::parameters();
         let Some(parameter) = parameters.iter().find(|p| p.name == name) else {
@@ -165,7 +165,7 @@ impl Tuning {
     }
 }
 
-/// A place in [`Tuning`] that a named value lives in.
+/// Field of [`Tuning`] that a named gain sets.
 enum Slot<'a> {
     Number(&'a mut f64),
     Switch(&'a mut bool),

@@ -1,9 +1,10 @@
-//! The twin against a recorded flight: it starts where the vehicle was, flies under the commands that were recorded, and is compared
-//! with where the vehicle went.
+//! Compares the twin with a recorded flight: the twin starts where the vehicle was, flies under the recorded commands, and its path is
+//! compared with the path of the vehicle.
 //!
-//! The twin is one rigid body in Rapier, of the mass and inertia that are known or of a URDF, its joints locked as they were. The
-//! recorded force passed `H`, so it is taken that much later. Where no torque in N m is known the attitude is that of the recording
-//! and only the position is compared. Twice flown: as it is, and with the mean residual of the half second before the start.
+//! The twin is one rigid body in Rapier. Its mass and inertia are the known ones or those of a URDF; its joints are locked at their
+//! recorded angles. The recorded force was delayed by the filter `H`, so the twin reads it later by that delay. Where the torque in N m is
+//! unknown, the twin keeps the recorded attitude and only the position is compared. The twin flies twice from each start: without a
+//! residual, and with the mean residual of the half second before the start.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -22,41 +23,43 @@ use twin_core::tick::Measurement;
 use twin_plant::model::{Inertial, ModelError, Packages, Robot};
 use twin_plant::{FreeBody, Motion, Wrench, locked};
 
-/// Ticks of the longest flight of the twin.
+/// Number of ticks of the twin's longest flight.
 const LAST: usize = HORIZONS[2];
 
-/// The residual is averaged over so many ticks before the start.
+/// Number of ticks before the start over which the residual is averaged.
 const BEFORE: usize = 50;
 
-/// The rates at the start are the slope of the pose over so many ticks to either side: no filter's delay is in them.
+/// Number of ticks on either side of the start whose poses give the rates at the start. The rates are the slope of these poses, so no
+/// filter delays them.
 const SLOPE: usize = 4;
 
 /// Group delay of one pass of `H` (`sqrt 2 / (2 pi 8 Hz)`), ticks.
 const PASS_TICKS: f64 = 2.813_5;
 
-/// Most flights of the twin along one recording.
+/// Largest number of flights of the twin along one recording.
 const MOST_STARTS: usize = 100;
 
-/// Inertia of a vehicle of which none is known, m² (per kg). Used with torque alone, and of such a vehicle none is known either.
+/// Inertia per mass that stands for an unknown inertia, m². Only a known torque would use it, and a vehicle of unknown inertia has no known
+/// torque.
 const GUESSED_INERTIA_M2: f64 = 0.01;
 
-/// What flies.
+/// Vehicle that the twin flies.
 #[derive(Clone, Debug)]
 pub struct Twin {
     form: Form,
-    /// What it is, for people.
+    /// Description of the vehicle for people.
     pub says: String,
 }
 
 #[derive(Clone, Debug)]
 enum Form {
     Body(Inertial),
-    /// With the joints that have the rows q1 and q2.
+    /// A URDF model with the indices of the joints that have the coordinates q1 and q2.
     Robot(Box<Robot>, Vec<usize>),
 }
 
 impl Twin {
-    /// A body of what is known of the vehicle.
+    /// One rigid body with the known mass and inertia of the recorded vehicle.
     pub fn of(opened: &OpenedFlight) -> Self {
         let (facts, recorded) = (&opened.map.vehicle, &opened.recorded);
         let nominal = recorded.nominal_inertia.map(|m| [m[3], m[4], m[5]]);
@@ -80,10 +83,10 @@ impl Twin {
         Self { form: Form::Body(inertial), says }
     }
 
-    /// The vehicle that the URDF describes; `joint_names` have the rows q1 and q2.
+    /// The vehicle that the URDF describes; `joint_names` are the joints that have the coordinates q1 and q2.
     ///
     /// # Errors
-    /// [`ModelError`] if it cannot be read.
+    /// [`ModelError`] if the URDF cannot be read.
     pub fn urdf(file: &Path, joint_names: &[String]) -> Result<Self, ModelError> {
         let robot = Robot::load(file, &Packages::default())?;
         let joints: Vec<usize> = joint_names.iter().filter_map(|name| robot.joint(name)).collect();
@@ -110,20 +113,20 @@ impl Twin {
     }
 }
 
-/// Flies the twin from any tick of a flight.
+/// Flies the twin from any tick of a recorded flight.
 #[derive(Clone, Debug)]
 pub struct Flyer {
     playback: Arc<Playback>,
     twin: Twin,
     delay_ticks: f64,
-    /// A torque that is only fitted says the attitude worse than coasting: the recording's is taken then.
+    /// False if the torque is only fitted: it predicts the attitude worse than coasting, so the twin keeps the recorded attitude.
     own_attitude: bool,
-    /// The recorded forces are those on so many kg, not on the mass of the twin.
+    /// Mass in kg that the recorded forces belong to, if it is not the mass of the twin.
     of_kg: Option<f64>,
 }
 
 impl Flyer {
-    /// `twin` beside `playback`, which is of `opened`.
+    /// A flyer of `twin` beside `playback`, the flight of `opened`.
     pub fn new(playback: &Arc<Playback>, opened: &OpenedFlight, twin: Twin) -> Self {
         let delay_ticks = PASS_TICKS * opened.recorded.acceleration[0].passes() as f64;
         let own_attitude = opened.recorded.fitted_inertia().is_none();
@@ -131,17 +134,17 @@ impl Flyer {
         Self { playback: Arc::clone(playback), twin, delay_ticks, own_attitude, of_kg }
     }
 
-    /// What flies, for people.
+    /// Description of the twin for people.
     pub fn says(&self) -> &str {
         &self.twin.says
     }
 
-    /// Ticks of the recording that a flight of so many ticks needs beyond its start.
+    /// Number of ticks after the start that a flight of `ticks` ticks reads from the recording.
     pub fn reach(&self, ticks: usize) -> usize {
         ticks + (self.delay_ticks.ceil() as usize + 1).max(SLOPE)
     }
 
-    /// From tick `start` over all horizons; `None` where force or motion is not known all the while.
+    /// Flies the twin from tick `start` over all horizons; `None` if force or motion is unknown at one of the ticks it reads.
     pub fn from(&self, start: usize) -> Option<TwinFlight> {
         let clip = self.clip(start, LAST)?;
         let after = self.misses(&clip)?;
@@ -149,12 +152,12 @@ impl Flyer {
         Some(TwinFlight { t_s: clip.frame(0).t_s, free: clip.free, after })
     }
 
-    /// How far the twin is from the flight at the second horizon, having started from `start`.
+    /// Error of the twin at the second horizon (0.5 s) after the start `start`, m and rad.
     pub fn half_second(&self, start: usize) -> Option<[PredictionError; AXES]> {
         self.misses(&self.clip(start, HORIZONS[1])?)?.get(1).copied()
     }
 
-    /// From instants all along the flight.
+    /// Flies the twin from evenly spaced starts along the recording.
     pub fn along(&self) -> Report {
         let every = (self.playback.ticks() / MOST_STARTS).max(HORIZONS[1]);
         let starts = (0..self.playback.ticks()).step_by(every);
@@ -167,7 +170,7 @@ impl Flyer {
         report(&self.twin.says, held, &shots)
     }
 
-    /// What is known around a start.
+    /// The recorded ticks around a start; `None` if force or motion is unknown at one of them.
     fn clip(&self, start: usize, ticks: usize) -> Option<Clip> {
         let first = start.checked_sub(BEFORE)?;
         let mut cursor = Cursor::new(&self.playback);
@@ -187,7 +190,7 @@ impl Flyer {
         attitude.then_some(Clip { frames, free, ticks })
     }
 
-    /// Per horizon within the clip.
+    /// Errors at each horizon within the clip.
     fn misses(&self, clip: &Clip) -> Option<Vec<[PredictionError; AXES]>> {
         let inertial = self.twin.inertial(&clip.frame(0).chi);
         let rates = clip.rates()?;
@@ -215,7 +218,7 @@ impl Flyer {
         Some(horizons.enumerate().map(miss).collect())
     }
 
-    /// Where the twin is at each horizon.
+    /// Pose of the twin at each horizon: m and ZYX Euler angles in rad.
     fn flown(
         &self,
         clip: &Clip,
@@ -225,7 +228,7 @@ impl Flyer {
     ) -> Option<Vec<Axis>> {
         let start = &clip.frame(0).chi;
         let (eta, eta_dot) = (attitude(start), rates.fixed_rows::<3>(3).into_owned());
-        // With a held attitude it is a point: what an eccentric mass would turn is unknown.
+        // A body that keeps the recorded attitude moves as a point: nobody knows how an eccentric centre of mass would turn it.
         let com = if clip.free { inertial.com_in_link } else { Vector3::zeros() };
         let mut body = FreeBody::new(&Inertial { com_in_link: com, ..*inertial });
         let body_rate =
@@ -251,13 +254,13 @@ impl Flyer {
     }
 }
 
-/// Motion and, in the air, force are known in these rows.
+/// True if the motion is known in these coordinates, and also the force while the vehicle flies.
 fn known(frame: &Measurement, rows: std::ops::Range<usize>) -> bool {
     let (moved, pushed) = (frame.chi.known(), frame.residual_known());
     rows.into_iter().all(|row| moved[row] && pushed[row])
 }
 
-/// The ticks around a start: the half second before it, the flight, and what the commands reach beyond it.
+/// The recorded ticks around a start: the half second before it, the flight, and the later ticks that the delayed commands need.
 struct Clip {
     frames: Vec<Measurement>,
     free: bool,
@@ -265,7 +268,7 @@ struct Clip {
 }
 
 impl Clip {
-    /// So many ticks after the start.
+    /// The recorded tick `after` ticks after the start.
     fn frame(&self, after: usize) -> &Measurement {
         &self.frames[(BEFORE + after).min(self.frames.len() - 1)]
     }
@@ -283,7 +286,8 @@ impl Clip {
         Some(sums / squares)
     }
 
-    /// Mean of the force that the twin lacks before the start, N and N m: its negative is what moves it besides.
+    /// Mean residual before the start, N and N m: the applied force minus the force that explains the motion. Its negative acts on the
+    /// twin.
     fn residual(&self, inertial: &Inertial) -> SVector<f64, AXES> {
         let before = &self.frames[..BEFORE];
         let mut mean = SVector::<f64, AXES>::zeros();
@@ -300,7 +304,7 @@ impl Clip {
         mean
     }
 
-    /// What acts from tick `after` to the next.
+    /// Force and torque on the twin from tick `after` to the next tick.
     fn wrench(
         &self,
         after: usize,

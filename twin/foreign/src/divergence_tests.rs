@@ -9,8 +9,9 @@ const MASS_KG: f64 = 2.0;
 const INERTIA_KG_M2: f64 = 0.02;
 const DRIVE_RAD_S: f64 = 3.0;
 
-/// A made flight: it circles and nods slowly; the force in it is `overstated` times what moved it, and a constant one besides
-/// pushes it sideways. Nothing passed `H`: what is slow comes through it only later, so the command is that of `delay` earlier.
+/// A synthetic flight on a circle with a slow roll motion. The recorded force is `overstated` times the force that explains the
+/// motion, and a constant side force acts besides. No filter `H` is applied: a slow signal only gets later in it, so the recorded command
+/// is the command of `delay_s` earlier.
 fn flight(overstated: f64, torque: bool, delay_s: f64) -> RecordedFlight {
     let side = Vector3::new(1.0, 0.0, 0.0);
     let times_s: Vec<f64> = (0..600).map(|i| f64::from(i) * TICK_S).collect();
@@ -64,7 +65,7 @@ fn flyer(recorded: &RecordedFlight) -> Flyer {
     }
 }
 
-/// A slope over 80 ms of a motion of 3 rad/s is off by its third derivative: `27 * 0.04² * 0.6 / 6` = 4 mm/s.
+/// Error of a slope over 80 ms of a motion at 3 rad/s, from its third derivative: `27 * 0.04² * 0.6 / 6` = 4 mm/s.
 const OF_THE_SLOPE: f64 = 0.012;
 
 #[test]
@@ -76,7 +77,7 @@ fn a_twin_that_is_the_vehicle_goes_where_it_went_but_for_what_pushes_it() {
         for (i, ticks) in HORIZONS.iter().enumerate() {
             let t_s = *ticks as f64 * TICK_S;
             let [x, y, z, phi, ..] = shot.after[i];
-            // The side force of 1 N that no command says is missed by `t² / 2m`, and by nothing with the residual.
+            // No command contains the side force of 1 N: without the residual the twin misses by `t² / 2m`, with it by nothing.
             let missed = -0.5 * t_s * t_s / MASS_KG;
             let near = |found: Option<f64>, wanted: f64| {
                 let found = found.expect("compared");
@@ -118,7 +119,7 @@ fn forces_per_kilogram_move_a_twin_of_any_mass_and_a_torque_that_is_fitted_does_
     assert!(!one.free && !other.free);
     for row in 0..3 {
         let (one, other) = (one.after[2][row], other.after[2][row]);
-        // Rounding of a force and of a mass that are three times as much.
+        // Rounding of a force and of a mass that are three times as large.
         assert!((one.twin.unwrap() - other.twin.unwrap()).abs() < 1e-9, "{row}");
         assert!((one.with_residual.unwrap() - other.with_residual.unwrap()).abs() < 1e-9, "{row}");
     }

@@ -1,4 +1,4 @@
-//! A long flight that this program recorded, read part by part through its index: measurements as they are, nothing resampled.
+//! A long flight that this program recorded. It is read part by part through its index; its measurements are not resampled.
 
 use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -16,35 +16,35 @@ use twin_core::notation::{Coords, TICK_S};
 use twin_record::MIRRORED;
 use twin_record::recording::{MEASUREMENT_TOPIC, METADATA_END, METADATA_START, TICK_TOPIC};
 
-/// Ticks that are read at once: as many as the recorder puts into a chunk. A measurement needs nothing of those around it, so less
-/// is read for a jump than of a flight that is resampled.
+/// Number of ticks that are read at once: the recorder puts as many into a chunk. A measurement does not depend on its neighbours, so a
+/// jump reads fewer ticks than in a flight that is resampled.
 const BLOCK_TICKS: usize = 100;
 
-/// Chunks that are kept read: a block may end inside one.
+/// Number of unpacked chunks in the cache: a block may end inside a chunk.
 const KEPT_CHUNKS: usize = 8;
 
-/// The ticks of a chunk; `None` cannot be read.
+/// The ticks of a chunk; `None` marks a tick that cannot be read.
 type Ticks = Arc<[Option<Moved>]>;
 
-/// A long flight of this program.
+/// A long flight that this program recorded.
 #[derive(Debug)]
 pub(super) struct OwnParts {
     index: Index,
     channel: u16,
-    /// The channel holds whole ticks, not measurements alone.
+    /// True if the messages of the channel are whole ticks, false if they are measurements alone.
     whole_ticks: bool,
-    /// Ticks before each chunk, and at the end those of the flight.
+    /// Number of ticks before each chunk; the last entry is the number of ticks of the flight.
     before: Vec<usize>,
     nominal_inertia: Option<Coords>,
     joint_names: Vec<String>,
-    /// Of a foreign flight in shadow: what is not a number is unknown.
+    /// True for a foreign flight that was flown in shadow: there a value that is not a number is unknown.
     mirrored: bool,
     chunks: RecentCache<Ticks>,
     troubles: Mutex<(Vec<String>, BTreeSet<usize>)>,
 }
 
 impl OwnParts {
-    /// The flight in `index`; `None` if it is no recording of this program, or its index is not whole.
+    /// The flight in `index`; `None` if this program did not record it or its index is incomplete.
     pub(super) fn new(index: Index) -> Option<Self> {
         let (tick, ticks) = index.channel(TICK_TOPIC).filter(|(_, ticks)| *ticks > 0)?;
         let measurement = index.channel(MEASUREMENT_TOPIC);
@@ -57,7 +57,7 @@ impl OwnParts {
             let messages = usize::try_from(index.messages(number, channel).ok()?).ok()?;
             before.push(before.last()?.checked_add(messages)?);
         }
-        // What the index says in two places, and no more than a flight can have.
+        // The index states the number of ticks in two places; both must agree, and no flight may have more than `MOST_TICKS`.
         let total = *before.last()?;
         if total as u64 != index.channel_messages(channel) || total as f64 > MOST_TICKS {
             return None;
@@ -84,17 +84,17 @@ impl OwnParts {
         })
     }
 
-    /// The container and its problems.
+    /// The container's properties and problems.
     pub(super) fn findings(&self) -> &Findings {
         &self.index.table.findings
     }
 
-    /// Stretches of the flight, evenly spread.
+    /// Stretches of the flight, evenly spread over it.
     pub(super) fn stretches(&self) -> RecordedFlight {
         let length = (STRETCH_S / TICK_S) as usize;
         let last = self.ticks().saturating_sub(length);
         let starts = (0..STRETCHES as usize).map(|k| last * k / (STRETCHES as usize - 1));
-        // One after the other would be half of the time until something is seen.
+        // The threads read in parallel: reading one stretch after the other would take half of the time to the first picture.
         let parts: Vec<RecordedFlight> = std::thread::scope(|scope| {
             let part =
                 |from| scope.spawn(move || self.part(from, (from + length).min(self.ticks())));
@@ -123,7 +123,7 @@ impl OwnParts {
         as_recorded(times_s, instants, airborne, self.nominal_inertia, self.joint_names.clone())
     }
 
-    /// The ticks of chunk `number`, as many as the index says.
+    /// The ticks of chunk `number`; their number is the one that the index states.
     fn chunk(&self, number: usize) -> Ticks {
         self.chunks.get(number, |_| true, || self.read(number).into())
     }

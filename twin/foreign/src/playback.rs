@@ -1,7 +1,7 @@
-//! A recorded flight as the loop reads it, tick by tick: held whole, or block by block around the playhead.
+//! A recorded flight as the loop reads it, tick by tick. It lies in memory as a whole, or block by block around the playhead.
 //!
-//! A block depends on the file and its number alone, so a moment is the same however one comes to it. A thread reads the next
-//! blocks while one is played; a jump waits for the first of its blocks.
+//! A block depends only on the file and on its number, so playing and seeking give the same measurements at a tick. A thread reads the next
+//! blocks while one block is played; a jump waits for its first block.
 
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -13,35 +13,35 @@ use twin_core::notation::{KnownCoords, wrap_angle};
 use twin_core::source::{Disturbance, InnerLoop, Source};
 use twin_core::tick::{GripperReading, Measurement, Setpoint, Truth};
 
-/// Ticks of a block: 5 s.
+/// Number of ticks of a block: 5 s.
 const BLOCK_TICKS: usize = 500;
 
-/// Ticks that are kept: a run-up, what follows it and what was played last.
+/// Number of ticks in the cache: a run-up, the ticks after it and the ticks that were played last.
 const KEPT_TICKS: usize = 6000;
 
-/// Ticks that are read ahead.
+/// Number of ticks that the thread reads ahead.
 const AHEAD_TICKS: usize = 500;
 
-/// The row of the yaw.
+/// Index of the yaw among the coordinates.
 const PSI: usize = 5;
 
 /// A flight that is read part by part.
 pub trait PartReader: Debug + Send + Sync {
-    /// Ticks of all of it.
+    /// Number of ticks of the whole flight.
     fn ticks(&self) -> usize;
 
-    /// The ticks `from..to` of it. What cannot be read is unknown.
+    /// The ticks `from..to` of the flight. A tick that cannot be read is unknown.
     fn part(&self, from: usize, to: usize) -> RecordedFlight;
 
-    /// What could not be read since the last call, a sentence each.
+    /// One sentence for each part that could not be read since the last call.
     fn troubles(&self) -> Vec<String>;
 
-    /// Ticks that are read at once.
+    /// Number of ticks that are read at once.
     fn block_ticks(&self) -> usize {
         BLOCK_TICKS
     }
 
-    /// It still goes on: there are more ticks each time one asks.
+    /// True while the flight still goes on: the number of ticks grows between calls.
     fn is_live(&self) -> bool {
         false
     }
@@ -60,7 +60,7 @@ enum Store {
     Blocks { cache: Arc<BlockCache>, wanted: Sender<usize> },
 }
 
-/// Blocks that were read.
+/// Cache of the blocks that were read.
 #[derive(Debug)]
 struct BlockCache {
     parts: Arc<dyn PartReader>,
@@ -68,13 +68,13 @@ struct BlockCache {
 }
 
 impl Playback {
-    /// A flight that is held whole.
+    /// A flight that lies in memory as a whole.
     pub fn whole(recorded: &RecordedFlight) -> Self {
         let frames = frames(recorded);
         Self { ticks: frames.len(), store: Store::Whole(frames.into()) }
     }
 
-    /// A flight that is read as it is played.
+    /// A flight that is read block by block while it is played.
     pub fn of(parts: &Arc<dyn PartReader>) -> Self {
         let parts = Arc::clone(parts);
         let ticks = parts.ticks();
@@ -82,14 +82,14 @@ impl Playback {
         let (wanted, orders) = channel();
         let reader = Arc::clone(&cache);
         let thread = std::thread::Builder::new().name("playback".to_owned());
-        // Without the thread each block is read when it is played.
+        // Without the thread, each block is read when it is played.
         if let Err(error) = thread.spawn(move || read_ahead(&reader, &orders)) {
             tracing::warn!("nothing is read ahead: {error}");
         }
         Self { ticks, store: Store::Blocks { cache, wanted } }
     }
 
-    /// Ticks; of a flight that still goes on those that there are by now.
+    /// Number of ticks; for a flight that still goes on, the number so far.
     pub fn ticks(&self) -> usize {
         match &self.store {
             Store::Blocks { cache, .. } if self.is_live() => cache.parts.ticks(),
@@ -97,12 +97,12 @@ impl Playback {
         }
     }
 
-    /// It still goes on.
+    /// True while the flight still goes on.
     pub fn is_live(&self) -> bool {
         matches!(&self.store, Store::Blocks { cache, .. } if cache.parts.is_live())
     }
 
-    /// What could not be read since the last call, a sentence each.
+    /// One sentence for each part that could not be read since the last call.
     pub fn troubles(&self) -> Vec<String> {
         match &self.store {
             Store::Whole(_) => Vec::new(),
@@ -110,7 +110,7 @@ impl Playback {
         }
     }
 
-    /// The block of `tick`; `None` beyond the end.
+    /// The block that contains `tick`; `None` beyond the end.
     fn block(&self, tick: usize) -> Option<Block> {
         if tick >= self.ticks() {
             return None;
@@ -125,24 +125,24 @@ impl Playback {
         }
     }
 
-    /// Has the blocks after that of `tick` read in the background.
+    /// Asks the thread to read the blocks after the block of `tick`.
     fn read_after(&self, tick: usize) {
         if let Store::Blocks { wanted, cache } = &self.store
             && !cache.parts.is_live()
         {
-            // Without the thread nothing is read ahead.
+            // The send fails if there is no thread; then nothing is read ahead.
             let _ = wanted.send(tick / cache.parts.block_ticks() + 1);
         }
     }
 }
 
-/// Reads the blocks from each number that is ordered on, until another one is.
+/// Reads the blocks that follow each ordered number, until a newer order arrives.
 fn read_ahead(cache: &BlockCache, orders: &Receiver<usize>) {
     let blocks = AHEAD_TICKS.div_ceil(cache.parts.block_ticks());
     while let Ok(mut first) = orders.recv() {
         let mut next = 0;
         while next < blocks {
-            // What was ordered last is where the flight is.
+            // The newest order is the position of the playhead.
             if let Some(newer) = orders.try_iter().last() {
                 (first, next) = (newer, 0);
             }
@@ -161,8 +161,8 @@ impl BlockCache {
         Self { parts, blocks }
     }
 
-    /// The block from the cache if it reaches to its tick `within`, else from the file. Of a flight that goes on the newest block
-    /// may be there with fewer ticks.
+    /// The block from the cache if it contains its tick `within`, otherwise from the file. While a flight goes on, its newest block in the
+    /// cache may be shorter than the block in the file.
     fn block(&self, number: usize, within: usize) -> Arc<[Measurement]> {
         let ticks = self.parts.block_ticks();
         let read = || {
@@ -174,7 +174,7 @@ impl BlockCache {
     }
 }
 
-/// The ticks of `recorded` as the loop reads them: what is `None` there is unknown here.
+/// The ticks of `recorded` as the loop reads them: a `None` there becomes an unknown coordinate here.
 fn frames(recorded: &RecordedFlight) -> Vec<Measurement> {
     let one = |(tick, instant): (usize, &RecordedTick)| Measurement {
         t_s: recorded.times_s[tick],
@@ -202,7 +202,7 @@ impl Block {
     }
 }
 
-/// A place in a playback; looking at neighbouring ticks reads nothing anew.
+/// A position in a playback. It keeps its block, so reading a neighbouring tick does not read the file again.
 #[derive(Clone, Debug)]
 pub struct Cursor {
     playback: Arc<Playback>,
@@ -210,7 +210,7 @@ pub struct Cursor {
 }
 
 impl Cursor {
-    /// Into `playback`.
+    /// A cursor into `playback`.
     pub fn new(playback: &Arc<Playback>) -> Self {
         Self { playback: Arc::clone(playback), block: None }
     }
@@ -224,34 +224,34 @@ impl Cursor {
         self.block.as_ref()?.frame(tick)
     }
 
-    /// The first tick of the block it is in.
+    /// The first tick of the cursor's block.
     fn block_start(&self) -> Option<usize> {
         Some(self.block.as_ref()?.first)
     }
 }
 
-/// Plays a playback; what it is told to do reaches nobody.
+/// Source that plays a recording: it ignores set-points and disturbances.
 pub struct RecordedSource {
     cursor: Cursor,
     next: usize,
     /// The last frame played.
     frame: Measurement,
-    /// The last known yaw that was given, rad.
+    /// Yaw of the last measurement in which the yaw was known, rad.
     last_psi: Option<f64>,
-    /// Turns that the yaw of a block lacks, rad, and the block.
+    /// Whole turns in rad that are added to the yaw of the block `turned`, so that the yaw stays continuous between blocks.
     turns_rad: f64,
     turned: Option<usize>,
 }
 
 impl RecordedSource {
-    /// From tick `first` of `playback` on; `None` if there is none.
+    /// A source that starts at tick `first` of `playback`; `None` if there is no such tick.
     pub fn new(playback: &Arc<Playback>, first: usize) -> Option<Self> {
         let mut cursor = Cursor::new(playback);
         let frame = cursor.frame(first)?.clone();
         Some(Self { cursor, next: first, frame, last_psi: None, turns_rad: 0.0, turned: None })
     }
 
-    /// The next measurement; after the last one the last one again.
+    /// The next measurement; after the end, the last measurement again.
     fn play(&mut self) -> Measurement {
         if let Some(frame) = self.cursor.frame(self.next) {
             self.frame.clone_from(frame);
@@ -260,7 +260,7 @@ impl RecordedSource {
         self.continued()
     }
 
-    /// The measurement of the frame; the turns of the yaw go on as before.
+    /// The measurement of the frame with a yaw that is continuous with the yaw before.
     fn continued(&mut self) -> Measurement {
         let mut measurement = self.frame.clone();
         let Some(psi) = measurement.chi.get(PSI) else { return measurement };

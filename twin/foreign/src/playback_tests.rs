@@ -5,10 +5,10 @@ use super::super::recorded::Derivation;
 use super::*;
 use twin_core::notation::{N, TICK_S};
 
-/// How fast the vehicle of these tests turns, rad per tick: several turns in the flight.
+/// Turn rate of the vehicle in these tests, rad per tick: it makes several turns in the flight.
 const TURN_RAD: f64 = 0.02;
 
-/// A vehicle that turns, whose yaw every part begins between -pi and pi; from 700 to 720 nothing is known.
+/// A turning vehicle. Every part of its flight starts with a yaw between -pi and pi; nothing is known from tick 700 to 720.
 #[derive(Debug, Default)]
 struct Turning {
     reads: AtomicUsize,
@@ -71,14 +71,14 @@ fn yaw_goes_on_over_the_edges_of_blocks_and_nothing_is_made_up_for_unknown_coord
             assert_eq!(measurement.chi, KnownCoords::unknown(), "{tick}");
             continue;
         }
-        // Sums of some thousand steps of 0.02.
+        // Tolerance for the sum of some thousand steps of 0.02.
         assert!((measurement.chi[PSI] - yaw(tick)).abs() < 1e-9, "{tick}");
         assert_eq!(measurement.chi.get(0), Some(tick as f64), "{tick}");
         for unknown in [measurement.chi_dot, measurement.chi_ddot, measurement.tau_applied] {
             assert_eq!(unknown, KnownCoords::unknown(), "{tick}: the recording does not say it");
         }
     }
-    // From the middle it is the same but for whole turns.
+    // A playback that starts in the middle differs from the whole one by full turns only.
     for (ours, whole) in played(&playback, 1200).iter().zip(&all[1200..]) {
         assert!(wrap_angle(ours.chi[PSI] - whole.chi[PSI]).abs() < 1e-9);
         assert_eq!(ours.t_s.to_bits(), whole.t_s.to_bits());

@@ -1,4 +1,4 @@
-//! A flight that this program recorded: its measurements are taken as they are, nothing is resampled.
+//! A flight that this program recorded: its measurements are read unchanged and are not resampled.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ use twin_record::recording::{Recording, RecordingError, read_recording};
 /// Reads the recording in `path` as a flight to mirror.
 ///
 /// # Errors
-/// [`RecordingError`] if it cannot be read or holds no tick.
+/// [`RecordingError`] if the file cannot be read or contains no tick.
 pub(super) fn replayed(path: &Path) -> Result<RecordedFlight, RecordingError> {
     let recording = read_recording(path)?;
     let measured = || recording.ticks.iter().map(|tick| &tick.measurement);
@@ -26,7 +26,7 @@ pub(super) fn replayed(path: &Path) -> Result<RecordedFlight, RecordingError> {
     ))
 }
 
-/// A flight as it was recorded, under this `M_bar` and with these joints.
+/// A flight from its measurements, with its nominal inertia `M_bar` in kg and kg m² and the names of its joints.
 pub(super) fn as_recorded(
     times_s: Vec<f64>,
     instants: Vec<RecordedTick>,
@@ -47,7 +47,7 @@ pub(super) fn as_recorded(
     }
 }
 
-/// The tick that was measured; what is not a number is unknown in a `mirrored` flight and NaN in another.
+/// The recorded tick. A value that is not a number is unknown in a `mirrored` flight, and NaN in any other.
 pub(super) fn instant(measurement: &Measurement, mirrored: bool) -> RecordedTick {
     let rows = |values: &KnownCoords| std::array::from_fn(|row| values.get(row));
     RecordedTick {
@@ -58,37 +58,37 @@ pub(super) fn instant(measurement: &Measurement, mirrored: bool) -> RecordedTick
     }
 }
 
-/// Nothing is unknown in a simulated flight: what is not a number there is a fault, which the loop shall see as one.
+/// A simulated flight has no unknown values: a value that is not a number is a fault there, and the loop must detect it as one.
 fn or_fault(rows: [Option<f64>; N], mirrored: bool) -> [Option<f64>; N] {
     if mirrored { rows } else { rows.map(|value| value.or(Some(f64::NAN))) }
 }
 
-/// Motion and force of a recorded tick: all that a mirror takes of it.
+/// Motion and force of a recorded tick, the only data that a mirror needs.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Moved {
     /// Time, s.
     pub(super) t_s: f64,
-    /// The tick; of a `mirrored` flight what is not a number is unknown, of another it is NaN.
+    /// The tick. A value that is not a number is unknown in a `mirrored` flight, and NaN in any other.
     pub(super) instant: RecordedTick,
-    /// The vehicle flew, as far as its source could tell.
+    /// The vehicle flew, according to its source.
     pub(super) airborne: bool,
 }
 
-/// A measurement with `null` where it is not a number.
+/// JSON of a measurement; `null` stands for a value that is not a number.
 #[derive(Deserialize)]
 struct Text {
-    // An absent field would pass for a `null` otherwise.
+    // Without this attribute a missing field would be read as `null`.
     #[serde(deserialize_with = "number")]
     t_s: Option<f64>,
     chi: [Option<f64>; N],
     chi_dot: [Option<f64>; N],
     chi_ddot: [Option<f64>; N],
     tau_applied: [Option<f64>; N],
-    // Said of a mirrored flight alone.
+    // Only mirrored flights have this field.
     airborne: Option<bool>,
 }
 
-/// A tick of which the measurement alone is read.
+/// JSON of a whole tick, from which only the measurement is read.
 #[derive(Deserialize)]
 struct WholeText {
     measurement: Text,
@@ -99,7 +99,7 @@ fn number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::
 }
 
 impl Moved {
-    /// Of the JSON of a measurement, or of a whole tick. The same numbers as of the records themselves, without reading the rest.
+    /// Reads the JSON of a measurement or of a whole tick. The numbers equal those of the full records, and the rest is not read.
     pub(super) fn from_json(
         text: &[u8],
         is_whole_tick: bool,
@@ -121,8 +121,8 @@ impl Moved {
     }
 }
 
-/// The arm's joints by the names of the URDF, as the metadata `joints` tells them; recordings that do not tell them have them by
-/// the names of their rows.
+/// Names of the arm's joints in the URDF, from the metadata `joints`. In a recording without this metadata the joints have the names of
+/// their coordinates.
 pub(super) fn joint_names(told: Option<&str>) -> Vec<String> {
     let told = told.and_then(|names| serde_json::from_str(names).ok());
     told.unwrap_or_else(|| {
@@ -130,12 +130,12 @@ pub(super) fn joint_names(told: Option<&str>) -> Vec<String> {
     })
 }
 
-/// `M_bar` of the gains that the recording says it was flown with, kg and kg m².
+/// Nominal inertia `M_bar` of the gains in the metadata of the recording, kg and kg m².
 pub fn recorded_nominal_inertia(recording: &Recording) -> Option<Coords> {
     nominal_inertia(recording.metadata.get("gains")?)
 }
 
-/// `M_bar` of gains as JSON, kg and kg m².
+/// Nominal inertia `M_bar` from gains in JSON, kg and kg m².
 pub(super) fn nominal_inertia(gains: &str) -> Option<Coords> {
     let gains: serde_json::Value = serde_json::from_str(gains).ok()?;
     serde_json::from_value(gains.get("gains")?.get("nominal_inertia")?.clone()).ok()

@@ -1,7 +1,7 @@
-//! A recorded flight through the same loop in shadow: predicting and adapting, never acting.
+//! Flies a recording through the same loop in shadow: the loop predicts and adapts, and commands nothing.
 //!
-//! Weights that were trained on one vehicle mean nothing on another, so the predictor is `random_features`. The reference is
-//! where the twin expected the vehicle at this tick, from what it knew half a second before: the ghost, and the divergence.
+//! Weights that were trained on one vehicle mean nothing on another, so the predictor is `random_features`. The reference is the ghost: the
+//! pose at this tick that the twin expected half a second before. The tracking error is then the divergence from it.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -22,51 +22,51 @@ use twin_core::task::{Step, Task, View};
 use twin_core::tick::{Adaptation, Event, EventKind, GripperCommand, Reference, Setpoint, Tick};
 use twin_core::tuning::Tuning;
 
-/// What predicts, for people.
+/// Name of the predictor for people.
 pub const PREDICTOR: &str =
     "random_features, adapted in flight; not trained on this or any vehicle";
 
-/// Regime features of the adapter and the seed they are drawn from.
+/// Number of regime features of the adapter, and the seed from which they are drawn.
 const FEATURES: usize = 32;
 const SEED: u64 = 1;
 
-/// Ticks of history kept for the predictor.
+/// Number of ticks of history that the predictor receives.
 const HISTORY_LEN: usize = 120;
 
-/// Smallest spread of a residual that is used as a scale, N and N m.
+/// Smallest standard deviation of a residual that is used as a scale, N and N m.
 const LEAST_SCALE: f64 = 1e-9;
 
-/// The ghost is where the vehicle was expected from what was known so many ticks ago.
+/// Age in ticks of the knowledge from which the ghost is computed.
 pub const GHOST_TICKS: usize = 50;
 
-/// What an operator reads when a residual begins and ends to be known.
+/// Texts of the events when the residual becomes known and when it becomes unknown.
 const MIRRORED: &str = "in the air: residual known, the twin predicts and adapts in shadow";
 const UNKNOWN: &str = "on the ground, or force or motion unknown: the twin holds";
 
-/// Corner of the low-pass on the residual that the ghost assumes to stay as it is, Hz.
+/// Corner of the low-pass on the residual, Hz. The ghost assumes that the filtered residual stays constant.
 const GHOST_CORNER_HZ: f64 = 0.5;
 
-/// What the loop made of a flight.
+/// Result of flying a recording in shadow.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ShadowReport {
     /// The predictor, and what it knows about this vehicle.
     pub predictor: &'static str,
-    /// Ticks flown.
+    /// Number of ticks flown.
     pub ticks: usize,
-    /// Their time, s.
+    /// Duration of these ticks, s.
     pub flight_s: f64,
-    /// Ticks in which the vehicle flies, as far as its thrust tells.
+    /// Number of ticks in which the vehicle flies, judged by its thrust.
     pub airborne_ticks: usize,
-    /// Ticks without any known residual in the air: adaptation is held there.
+    /// Number of ticks without any known residual in the air; the adapter is frozen in them.
     pub held_ticks: usize,
-    /// Covariance resets and when, s from the start of the recording.
+    /// Times of the covariance resets, s from the start of the recording.
     pub resets_s: Vec<f64>,
-    /// Ticks with a fault.
+    /// Number of ticks with a fault.
     pub fault_ticks: usize,
-    /// Rows, residuals and predictions.
+    /// Coordinates, residuals and predictions.
     #[serde(flatten)]
     pub scored: Scored,
-    /// Equal for equal flights.
+    /// Hash that is equal for equal flights.
     pub state_hash: String,
 }
 
@@ -80,7 +80,8 @@ pub struct Shadow {
 }
 
 impl Shadow {
-    /// Of an opened recording: whole, or read as it is flown; then its scale is that of the stretches that were read.
+    /// A shadow of an opened recording. If the recording is read while it is flown, the scale is that of the stretches that were read on
+    /// opening.
     pub fn of(opened: &OpenedFlight) -> Self {
         let inertia_kg_m2 = opened.map.vehicle.inertia_kg_m2;
         let whole = Self::new(&opened.recorded, inertia_kg_m2);
@@ -88,7 +89,7 @@ impl Shadow {
         Self { playback: Arc::new(Playback::of(parts)), ..whole }
     }
 
-    /// `inertia_kg_m2` about the body axes where it is known.
+    /// A shadow of `recorded`; `inertia_kg_m2` is the inertia about the body axes if it is known.
     pub fn new(recorded: &RecordedFlight, inertia_kg_m2: Option<[f64; 3]>) -> Self {
         let mut gains = Gains::preset(Preset::Paper);
         let inertia_kg_m2 = inertia_kg_m2.or(recorded.fitted_inertia());
@@ -107,7 +108,7 @@ impl Shadow {
         Self { playback, nominal, scale, tuning }
     }
 
-    /// Ticks of the recording.
+    /// Number of ticks of the recording.
     pub fn ticks(&self) -> usize {
         self.playback.ticks()
     }
@@ -117,12 +118,12 @@ impl Shadow {
         &self.tuning
     }
 
-    /// Standard deviation of the residual per row: the unit of the adapter's innovation, N and N m.
+    /// Standard deviation of the residual per coordinate, N and N m: the unit of the adapter's innovation.
     pub fn scale(&self) -> &Coords {
         &self.scale
     }
 
-    /// The recording, tick by tick.
+    /// The recording as a playback.
     pub fn playback(&self) -> &Arc<Playback> {
         &self.playback
     }
@@ -137,7 +138,7 @@ impl Shadow {
         let nominal = self.nominal;
         let predictor = RandomFeatures::new(Box::new(move |_| nominal), FEATURES, SEED);
         let adapter = lra::Adapter::new(predictor.regime_len(), self.scale, &tuning.adapter);
-        // Nothing is commanded, so any rotor will do.
+        // The shadow commands no rotor, so any rotor geometry will do.
         let rotor = Rotor { position_in_body: Vector3::x(), torque_per_thrust_m: 0.01 };
         let inner = InnerController::new(
             Allocation::new(&[rotor; 4], 0.0, f64::MAX),
@@ -216,7 +217,7 @@ impl Shadow {
     }
 }
 
-/// Standard deviation of the residual per row over the flight: the unit of the adapter's innovation.
+/// Standard deviation of the residual per coordinate over the flight: the unit of the adapter's innovation.
 fn scale(playback: &Arc<Playback>, nominal_inertia: &Coords) -> Coords {
     let mut cursor = Cursor::new(playback);
     let mut residuals: [Vec<f64>; N] = Default::default();
@@ -236,21 +237,21 @@ fn scale(playback: &Arc<Playback>, nominal_inertia: &Coords) -> Coords {
     })
 }
 
-/// Flies nothing: the reference is where the vehicle was expected, and adaptation is held where nothing is known.
+/// Task that flies nothing: its reference is the expected pose, and it freezes the adapter while no residual is known.
 struct Watch {
-    /// Ticks of the flight; none of one that still goes on.
+    /// Number of ticks of the flight; `None` while it still goes on.
     ticks: Option<usize>,
     next: usize,
     nominal_residual: Coords,
     nominal_inertia: Coords,
     residual: LowPass<N>,
     held: Option<bool>,
-    /// What the ghost starts from at each of the last ticks, oldest first.
+    /// Start states of the ghost at the last ticks, oldest first.
     starts: VecDeque<Start>,
 }
 
-/// What the ghost starts from, and the motion that the force since then explains with the residual of then. A row that was
-/// unknown at any of these ticks is NaN, and stays so.
+/// A start state of the ghost. It is integrated with the measured force and with the residual of its first tick. A coordinate that was
+/// unknown at any of these ticks is NaN from then on.
 struct Start {
     chi: Coords,
     chi_dot: Coords,
@@ -271,7 +272,7 @@ impl Watch {
         }
     }
 
-    /// Where the vehicle was expected now. Rows without a known force go where they are.
+    /// Pose and rates at which the vehicle was expected now. A coordinate without a known force gets its measured value.
     fn ghost(&mut self, view: &View<'_>) -> (KnownCoords, KnownCoords) {
         let measured = view.measurement;
         if !view.residual.is_any_known() {
@@ -285,7 +286,7 @@ impl Watch {
                 start.chi[row] += start.chi_dot[row] * TICK_S;
             }
         }
-        // The low-pass needs a number in every row: it takes the nominal residual for an unknown one.
+        // The low-pass needs a number in every coordinate; the nominal residual stands for an unknown one.
         let residual = view.residual.or(&self.nominal_residual);
         let residual = self.residual.step(&residual, GHOST_CORNER_HZ, TICK_S);
         let expected = if self.starts.len() < GHOST_TICKS { None } else { self.starts.pop_front() };

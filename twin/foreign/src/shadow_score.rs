@@ -1,4 +1,4 @@
-//! Residuals and predictions of a mirrored flight, over the rows and ticks at which they are known.
+//! Residuals and predictions of a mirrored flight, over the coordinates and ticks at which they are known.
 //!
 //! Every prediction is a priori: `base_j + W'_{t-1} g'_t`, made before `r_t` was seen, scored against `r_{t+j}`; persistence is
 //! `r_{t-1}` for every `j`.
@@ -12,23 +12,23 @@ use twin_core::notation::{COORDINATE_NAMES, Coords, KnownMask, N, known_in_both}
 use twin_core::residual::HORIZON;
 use twin_core::tick::Tick;
 
-/// What was found per row and per horizon.
+/// Results per coordinate and per horizon.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Scored {
-    /// Rows in order.
+    /// Results of each coordinate, in coordinate order.
     pub rows: Vec<RowReport>,
     /// Errors by horizon, `j = 0..=k`.
     pub prediction: Vec<HorizonReport>,
 }
 
-/// One row.
+/// Results of one coordinate.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RowReport {
-    /// Name.
+    /// Name of the coordinate.
     pub row: &'static str,
     /// Share of ticks at which the coordinate is known.
     pub coordinate_known: f64,
-    /// Share of ticks at which the residual is known in the air; 0 is an unknown row, not a residual of zero.
+    /// Share of ticks at which the residual is known in the air; 0 says that it is never known, not that it is zero.
     pub residual_known: f64,
     /// Statistics of the residual; absent if it is never known.
     pub residual: Option<ResidualReport>,
@@ -52,13 +52,13 @@ pub struct ResidualReport {
 /// Errors at one horizon.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct HorizonReport {
-    /// Ticks ahead.
+    /// Number of ticks ahead.
     pub j: usize,
-    /// Root mean square error over known rows and ticks, in standard deviations of each row's residual.
+    /// Root mean square error over known coordinates and ticks, in standard deviations of each coordinate's residual.
     pub rmse_z: Option<f64>,
-    /// The same of persistence.
+    /// The same error of the persistence forecast.
     pub persistence_rmse_z: Option<f64>,
-    /// Forecasts scored.
+    /// Number of forecasts that were scored.
     pub samples: usize,
 }
 
@@ -73,7 +73,7 @@ struct Sum {
 
 const EMPTY: Sum = Sum { count: 0.0, total: 0.0, squares: 0.0, min: f64::MAX, max: f64::MIN };
 
-/// A forecast waiting for what it forecast.
+/// A forecast that waits for the residual it predicts.
 struct Pending {
     correction: Coords,
     base: Vec<Coords>,
@@ -81,10 +81,10 @@ struct Pending {
     known: KnownMask,
 }
 
-/// Collects tick by tick.
+/// Collects the statistics tick by tick.
 pub(super) struct Score {
     scale: Coords,
-    /// Ticks at which the coordinate of a row is known.
+    /// Number of ticks at which each coordinate is known.
     coordinates: [usize; N],
     rows: [Sum; N],
     squares: [[f64; 2]; HORIZON + 1],
@@ -94,7 +94,7 @@ pub(super) struct Score {
 }
 
 impl Score {
-    /// `scale` is the standard deviation of each row's residual.
+    /// An empty score; `scale` is the standard deviation of each coordinate's residual, N and N m.
     pub(super) fn new(scale: Coords) -> Self {
         Self {
             scale,
@@ -107,7 +107,7 @@ impl Score {
         }
     }
 
-    /// One tick.
+    /// Adds one tick.
     pub(super) fn add(&mut self, tick: &Tick) {
         let (r, known) = (*tick.residual, tick.residual.known());
         self.coordinates
@@ -147,7 +147,7 @@ impl Score {
         self.last = Some((r, known));
     }
 
-    /// The tables of a flight of so many ticks.
+    /// The results of a flight of `ticks` ticks.
     pub(super) fn finish(self, ticks: usize) -> Scored {
         let ticks = ticks.max(1) as f64;
         let rows = (0..N).map(|row| {
@@ -180,7 +180,7 @@ impl Score {
     }
 }
 
-/// Unit of a row's residual.
+/// Unit of a coordinate's residual.
 fn unit(row: usize) -> &'static str {
     if matches!(COORDINATE_NAMES[row], "x" | "y" | "z") { "N" } else { "N m" }
 }

@@ -1,14 +1,14 @@
-//! What a scenario says about plant, sensors and arena. Every default stands in `scenarios/defaults.toml`.
+//! Settings of plant, sensors and arena in a scenario. Every default is in `scenarios/defaults.toml`.
 
 use serde::{Deserialize, Serialize};
 
-/// Everything the simulated source needs.
+/// Every setting of the simulated source.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlantSettings {
     /// The vehicle.
     pub vehicle: VehicleSettings,
-    /// Objects that stand around.
+    /// Objects around the vehicle.
     pub arena: ArenaSettings,
     /// The cube.
     pub payload: PayloadSettings,
@@ -22,7 +22,7 @@ pub struct PlantSettings {
     pub contact: ContactSettings,
 }
 
-/// The vehicle: its URDF, and what URDF cannot say.
+/// The vehicle: its URDF, and the properties that URDF cannot describe.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct VehicleSettings {
@@ -30,7 +30,7 @@ pub struct VehicleSettings {
     pub urdf: String,
     /// `name=folder` pairs for `package://`.
     pub packages: Vec<String>,
-    /// Joints that get the rows q1 and q2; fewer than two leave rows masked.
+    /// Joints that have the coordinates q1 and q2; with fewer than two joints the remaining coordinates are masked.
     pub arm_joints: Vec<String>,
     /// Link whose origin is the grasp point; empty if there is none.
     pub tool_link: String,
@@ -40,7 +40,7 @@ pub struct VehicleSettings {
     pub joint_delay_s: f64,
     /// Rotors in order.
     pub rotors: Vec<RotorPlace>,
-    /// What the rotors have in common.
+    /// Properties that all rotors share.
     pub rotor: RotorSettings,
     /// The gripper.
     pub gripper: GripperSettings,
@@ -100,7 +100,7 @@ pub struct GripperSettings {
     pub opening_m: f64,
 }
 
-/// What stands around.
+/// Objects around the vehicle.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ArenaSettings {
@@ -114,7 +114,7 @@ pub struct ArenaSettings {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ArenaObject {
-    /// Name in the scene.
+    /// Name of the object in the scene.
     pub name: String,
     /// URDF file.
     pub urdf: String,
@@ -140,7 +140,7 @@ pub struct PayloadSettings {
     pub yaw_std_rad: f64,
 }
 
-/// Aerodynamics; each effect can be switched off.
+/// Aerodynamic effects, each with its own switch.
 #[expect(clippy::struct_excessive_bools, reason = "independent effects, each with its switch")]
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -153,7 +153,7 @@ pub struct AeroSettings {
     pub body_drag: bool,
     /// Body drag, N s²/m².
     pub body_drag_n_s2_m2: f64,
-    /// More thrust near floor, box and table.
+    /// Increase of thrust near floor, box and table.
     pub ground_effect: bool,
     /// Effective radius of the ground effect, m.
     pub ground_effect_radius_m: f64,
@@ -167,7 +167,7 @@ pub struct AeroSettings {
     pub turbulence_n: f64,
     /// Unsteady moment, standard deviation, N m.
     pub turbulence_n_m: f64,
-    /// Correlation time of both, s.
+    /// Correlation time of the unsteady force and moment, s.
     pub turbulence_s: f64,
 }
 

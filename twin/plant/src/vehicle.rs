@@ -27,14 +27,14 @@ const RESIDUAL_CORNER_HZ: f64 = 8.0;
 /// Drag coefficient of a cube.
 const CUBE_DRAG: f64 = 1.05;
 
-/// What is wrong with the vehicle besides its sensors and rotors.
+/// Failures of the vehicle other than those of sensors and rotors.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Failures {
-    /// Commands stay as they are.
+    /// The actuators keep their last command.
     pub(super) stalled: bool,
-    /// Added to the wind, m/s.
+    /// Velocity that is added to the wind, m/s.
     pub(super) gust: Vector3<f64>,
-    /// Friction of the grip before it turned slippery.
+    /// Friction coefficients of the grip before the failure.
     pub(super) healthy_friction: Vec<(ColliderHandle, f64)>,
 }
 
@@ -67,10 +67,10 @@ pub struct SimulatedVehicle {
 }
 
 impl SimulatedVehicle {
-    /// The vehicle of `settings` (URDFs already loaded) at `start`, everything random drawn from `seed`.
+    /// The vehicle of `settings` (URDFs already loaded) at `start`; all random numbers follow from `seed`.
     ///
     /// # Errors
-    /// [`PlantError`] for names that do not exist, tensors or meshes Rapier cannot represent, and too few or many rotors.
+    /// [`PlantError`] for names that do not exist, for tensors or meshes that Rapier cannot represent, and for too few or too many rotors.
     pub fn new(
         robot: Robot,
         objects: &[Robot],
@@ -133,7 +133,7 @@ impl SimulatedVehicle {
         })
     }
 
-    /// The true state as the sensors see it.
+    /// The true state that the sensors measure.
     pub(super) fn state(&self) -> KinematicState {
         let root = self.articulation.link_pose(&self.world, self.robot.root);
         let rotation = *root.rotation.to_rotation_matrix().matrix();
@@ -167,7 +167,7 @@ impl SimulatedVehicle {
         }
     }
 
-    /// One 1 ms step of the world under the command in force.
+    /// Advances the world by 1 ms under the command in force.
     pub(super) fn step_world(&mut self, state: &KinematicState, setpoint: &Setpoint) {
         let t_s = self.step as f64 * STEP_S;
         let wind = self.wind.step(t_s, state.velocity.norm(), STEP_S, &mut self.rng);
@@ -175,7 +175,7 @@ impl SimulatedVehicle {
         self.rotors.step(self.command.rotor_thrust_n, STEP_S);
         let torque = self.joint_delay.step(self.command.joint_torque_n_m);
         self.articulation.clear_forces(&mut self.world);
-        // Forces are held over the step in the world frame: apply them at the attitude of mid-step.
+        // Rapier keeps a force constant in the world frame during a step, so it is computed at the attitude of mid-step.
         let middle = nalgebra::Rotation3::new(state.omega * (0.5 * STEP_S));
         let rotation = state.rotation * middle.matrix();
         let flow = Flow {
@@ -215,7 +215,7 @@ impl SimulatedVehicle {
         }
     }
 
-    /// Downwash on arm links and payload.
+    /// Applies the downwash to arm links and payload.
     fn apply_wake(&mut self, flow: &Flow) {
         let area = self.settings.aero.link_drag_area_m2;
         for dof in &self.arm {
@@ -236,7 +236,7 @@ impl SimulatedVehicle {
         }
     }
 
-    /// Sensors, estimator and the filter pair `H` after a step.
+    /// Updates sensors, estimator and the filter pair `H` after a step.
     pub(super) fn sense(&mut self, state: &KinematicState) -> (Coords, Coords) {
         let speeds = std::array::from_fn(|i| self.rotors.speed_rad_s(i));
         let imu = self.sensors.imu(state, &speeds, self.hover_speed_rad_s);

@@ -1,7 +1,7 @@
-//! How trained weights fly: the closed-loop figures without which they are not flown.
+//! Flies trained weights in closed loop: weights are flown by a scenario only with these figures.
 //!
-//! The adapter is off and the estimate slow, so that the base forecast alone carries the vehicle; what is scored is that
-//! forecast against the residual it helped to make.
+//! The adapter is off and the low-pass on the estimate is slow, so that the base forecast alone carries the vehicle. The score compares
+//! that forecast with the residual of the same flight.
 
 use std::path::Path;
 
@@ -14,27 +14,27 @@ use twin_core::tick::Tick;
 /// Corner of the low-pass on the estimate, Hz.
 const BANDWIDTH_HZ: f64 = 2.0;
 
-/// Ticks before this time belong to the start, s.
+/// Ticks before this time belong to the start and are not scored, s.
 const FROM_S: f64 = 2.0;
 
-/// Why weights cannot be flown at all.
+/// Reason why weights cannot be flown in closed loop.
 #[derive(Debug, thiserror::Error)]
 pub enum AcceptanceError {
-    /// The weights' file.
+    /// The file of weights cannot be used.
     #[error("{file}: {reason}")]
     File {
         /// File.
         file: String,
-        /// What is wrong.
+        /// Reason.
         reason: String,
     },
-    /// The weights.
+    /// The weights are not usable.
     #[error(transparent)]
     Weights(#[from] WeightsError),
-    /// A scenario.
+    /// The scenario is not usable.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
-    /// The flight.
+    /// The flight cannot be built.
     #[error(transparent)]
     Build(#[from] BuildError),
 }
@@ -44,13 +44,13 @@ pub enum AcceptanceError {
 pub struct GateFlight {
     /// Scenario.
     pub scenario: String,
-    /// Mean over rows of the base forecast's R², a priori.
+    /// R² of the base forecast, a priori, as the mean over the coordinates.
     pub r2: f64,
-    /// The same per row, in coordinate order.
+    /// R² of each coordinate, in coordinate order.
     pub r2_rows: [f64; N],
     /// How the flight ended.
     pub verdict: Verdict,
-    /// Why.
+    /// Reason for the verdict.
     pub reason: String,
     #[serde(skip)]
     score: Score,
@@ -65,7 +65,7 @@ pub fn fly(
     file: &Path,
     overrides: &[String],
 ) -> Result<GateFlight, AcceptanceError> {
-    // Relative to where the command runs, not to the scenario.
+    // The path is relative to the working folder of the command, not to the scenario.
     let path = std::path::absolute(file).map_err(|error| unusable(file, &error))?;
     let mut all = vec![
         "predictor.kind=\"trained\"".to_owned(),
@@ -91,13 +91,13 @@ pub fn fly(
 }
 
 impl GateFlight {
-    /// What the head says of this flight: a flight that was not completed proves nothing.
+    /// The figure for the head of the weights; `None` unless the flight was completed.
     pub fn figure(&self) -> Option<f64> {
         (self.verdict == Verdict::Completed && self.r2.is_finite()).then_some(self.r2)
     }
 }
 
-/// R² over all ticks of `flights` together, mean over rows and per row; `None` unless every flight was completed.
+/// R² over all ticks of `flights`, as the mean over the coordinates and per coordinate; `None` unless every flight was completed.
 pub fn together(flights: &[GateFlight]) -> Option<(f64, [f64; N])> {
     let complete = !flights.is_empty() && flights.iter().all(|flown| flown.figure().is_some());
     let score = flights.iter().fold(Score::default(), |sum, flown| sum.and(&flown.score));
@@ -112,7 +112,7 @@ pub fn write(file: &Path, acceptance: Acceptance) -> Result<(), AcceptanceError>
     let bytes = std::fs::read(file).map_err(|error| unusable(file, &error))?;
     let mut weights = Weights::from_bytes(&bytes)?;
     weights.head.acceptance = acceptance;
-    // Beside it, then over it: a file that is read meanwhile is whole.
+    // Writes a second file and renames it, so that a concurrent reader never sees half of a file.
     let new = file.with_extension("safetensors.new");
     std::fs::write(&new, weights.to_bytes()?).map_err(|error| unusable(&new, &error))?;
     std::fs::rename(&new, file).map_err(|error| unusable(file, &error))
@@ -122,7 +122,7 @@ fn unusable(file: &Path, error: &std::io::Error) -> AcceptanceError {
     AcceptanceError::File { file: file.display().to_string(), reason: error.to_string() }
 }
 
-/// Sums for the coefficient of determination of each row.
+/// Sums for the coefficient of determination of each coordinate.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Score {
     count: f64,
@@ -157,7 +157,7 @@ impl Score {
         self.rows().iter().sum::<f64>() / N as f64
     }
 
-    /// `1 - sum (r - base)^2 / sum (r - mean r)^2` per row; NaN without ticks.
+    /// `1 - sum (r - base)^2 / sum (r - mean r)^2` per coordinate; NaN without ticks.
     fn rows(&self) -> [f64; N] {
         std::array::from_fn(|row| {
             let spread = self.squares[row] - squared(self.sum[row]) / self.count;

@@ -1,4 +1,4 @@
-//! From settings to the parts of a flight.
+//! Assembles the parts of a flight from the settings of a scenario.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -29,14 +29,14 @@ use twin_core::tuning::{Tuning, TuningError};
 use twin_plant::model::{Arm, Packages, Robot, Statics};
 use twin_plant::{SimulatedVehicle, Start};
 
-/// Ticks of history kept for predictors, `T_l`.
+/// Number of ticks of history for predictors, `T_l`.
 const HISTORY_LEN: usize = 120;
 
 /// Reset threshold of the `tuned` preset: 1.5 × the 99.9 % quantile of the mean innovation over a payload-free flight, 0.74 as the
 /// mean of seeds 1 to 5 of `twin fly scenarios/free_flight.toml --headless --seed N` (`innovation_mean_q999`).
 const TUNED_RESET_THRESHOLD: f64 = 1.1;
 
-/// The vehicle and arena files, read.
+/// The loaded model files of vehicle and arena.
 pub(super) struct Models {
     pub(super) robot: Robot,
     pub(super) objects: Vec<Robot>,
@@ -54,7 +54,7 @@ pub(super) fn models(scenario: &Scenario) -> Result<Models, BuildError> {
     Ok(Models { robot, objects })
 }
 
-/// Folders that `package://` addresses of the model files name.
+/// Name and folder of each package that `package://` addresses of the model files use.
 pub(super) fn packages(scenario: &Scenario) -> Result<Vec<(String, PathBuf)>, BuildError> {
     let pairs = scenario.settings.vehicle.packages.iter();
     let folder = scenario.folder();
@@ -172,7 +172,7 @@ fn start(settings: &Settings, arm: &Arm) -> Result<Start, BuildError> {
     Ok(Start { position, joints, grasped, inner_steps: steps as u64 })
 }
 
-/// What is known of the predictor before it predicts; only weights know more than the default.
+/// Properties of the predictor that are known before its first forecast; only trained weights differ from the default.
 pub(super) fn predictor_info(scenario: &Scenario) -> Result<PredictorInfo, BuildError> {
     match scenario.settings.predictor.kind {
         PredictorKind::Fdt | PredictorKind::Trained => {
@@ -219,7 +219,7 @@ fn controller(settings: &Settings) -> Box<dyn Controller> {
     Box::new(Excited::new(law, multisine))
 }
 
-/// The values a preset stands for with this vehicle; the gains of the scenario are not applied.
+/// The values of a preset for this vehicle, without the gains of the scenario.
 pub(super) fn preset_tuning(settings: &Settings, preset: Preset) -> Tuning {
     let mut adapter = lra::Settings::default();
     match preset {
@@ -235,7 +235,7 @@ pub(super) fn preset_tuning(settings: &Settings, preset: Preset) -> Tuning {
     Tuning { gains, adapter }
 }
 
-/// The values in force at the start: the preset, then what the scenario overrides.
+/// The values in force at the start: the preset with the gains that the scenario overrides.
 pub(super) fn tuning(settings: &Settings) -> Result<Tuning, TuningError> {
     let gains = &settings.gains;
     let mut tuning = preset_tuning(settings, gains.preset);
@@ -299,7 +299,7 @@ fn first_setpoint(gains: &Gains, start: &Start, weight_n: f64) -> Setpoint {
     }
 }
 
-/// Joint angles of the arm, rad; rows the vehicle does not have are zero.
+/// Joint angles of the arm, rad; zero for a joint that the vehicle does not have.
 fn joints(settings: &Settings, angles_rad: [f64; 2]) -> Vector2<f64> {
     Vector2::from_fn(
         |row, _| if row < settings.vehicle.arm_joints.len() { angles_rad[row] } else { 0.0 },

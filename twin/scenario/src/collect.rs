@@ -1,6 +1,6 @@
-//! Flights to learn from: each is flown, recorded as MCAP and summed up.
+//! Collects training data: flies each flight, records it as MCAP and summarises it.
 //!
-//! In: scenarios. Out: recordings, and per flight a [`Collected`]: its hash, its end, and how large its residual was.
+//! In: scenarios. Out: recordings, and for each flight a [`Collected`] with its hash, its verdict and the spread of its residual.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -14,19 +14,19 @@ use twin_core::notation::{Coords, N};
 use twin_core::tick::Tick;
 use twin_record::{Recorder, RecordingEnd, RecordingError};
 
-/// Ticks between two reports of progress.
+/// Number of ticks between two reports of progress.
 const PROGRESS_TICKS: u64 = 100;
 
-/// One flight to make.
+/// One flight to collect.
 #[derive(Clone, Debug)]
 pub struct Flight {
     /// What to fly.
     pub scenario: Scenario,
-    /// The recording.
+    /// File of the recording.
     pub file: PathBuf,
 }
 
-/// What to collect.
+/// Flights to collect.
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// Folder of the scenarios `collect_{payload}g.toml` and `test_300g.toml`.
@@ -37,16 +37,16 @@ pub struct Plan {
     pub payloads_g: Vec<u32>,
     /// Length of each flight, s.
     pub seconds: f64,
-    /// Seed of the first flight; each further one has the next.
+    /// Seed of the first flight; each further flight uses the next seed.
     pub seed: u64,
     /// `key=value` overrides.
     pub overrides: Vec<String>,
 }
 
-/// Why flights cannot be collected.
+/// Reason why flights cannot be collected.
 #[derive(Debug, thiserror::Error)]
 pub enum CollectError {
-    /// A scenario.
+    /// A scenario is not usable.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
     /// A flight cannot be put together.
@@ -57,20 +57,20 @@ pub enum CollectError {
         /// Why.
         why: Box<BuildError>,
     },
-    /// A recording.
+    /// A recording cannot be written.
     #[error(transparent)]
     Recording(#[from] RecordingError),
-    /// A folder or file.
+    /// A folder or file cannot be used.
     #[error("{}: {why}", .path.display())]
     File {
-        /// Which.
+        /// Path of the folder or file.
         path: PathBuf,
-        /// The system's words.
+        /// Error of the operating system.
         why: std::io::Error,
     },
 }
 
-/// A flight that was made.
+/// Summary of a collected flight.
 #[derive(Clone, Debug, Serialize)]
 pub struct Collected {
     /// The recording.
@@ -83,15 +83,15 @@ pub struct Collected {
     pub payload_kg: f64,
     /// Ticks recorded.
     pub ticks: u64,
-    /// How it ended.
+    /// How the flight ended.
     pub verdict: Verdict,
-    /// Why, in a sentence.
+    /// Reason for the verdict, in a sentence.
     pub reason: String,
     /// Hash of the flight.
     pub state_hash: String,
     /// Sha-256 of the recording.
     pub sha256: String,
-    /// Residual, N and N m.
+    /// Mean and standard deviation of the residual, N and N m.
     pub residual: Spread,
     /// Root mean square of the position error, m.
     pub position_rmse_m: f64,
@@ -104,16 +104,16 @@ pub struct Collected {
 }
 
 impl Collected {
-    /// It can be learned from: flown to its end, without touching anything.
+    /// True if the flight is usable as training data: it was completed and touched nothing.
     pub fn usable(&self) -> bool {
         self.verdict == Verdict::Completed && self.contact_ticks == 0
     }
 }
 
-/// Mean and standard deviation per row, of any number of flights together.
+/// Mean and standard deviation per coordinate, of one flight or of several together.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Spread {
-    /// Ticks.
+    /// Number of ticks.
     pub count: f64,
     /// Mean, N and N m.
     pub mean: Coords,
@@ -122,7 +122,7 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// Of `values`.
+    /// Mean and standard deviation of `values`.
     fn of(values: &[Coords]) -> Self {
         let count = values.len() as f64;
         let n = count.max(1.0);
@@ -131,7 +131,7 @@ impl Spread {
         Self { count, mean, std: (squares / n).map(f64::sqrt) }
     }
 
-    /// Of all ticks of `parts`.
+    /// Mean and standard deviation over all ticks of `parts`.
     pub fn together(parts: &[Spread]) -> Spread {
         let count: f64 = parts.iter().map(|part| part.count).sum();
         let n = count.max(1.0);
@@ -146,7 +146,7 @@ impl Spread {
 }
 
 impl Plan {
-    /// The training flights, then the flight that is tested on.
+    /// The training flights, then the test flight.
     ///
     /// # Errors
     /// [`CollectError`] if a scenario is not usable.
@@ -156,7 +156,7 @@ impl Plan {
         all.map(|((name, payload_g), seed)| self.flight(&name, payload_g, seed)).collect()
     }
 
-    /// A payload without a scenario of its own is flown as 200 g are.
+    /// A payload without a scenario of its own uses the scenario of 200 g.
     fn flight(
         &self,
         name: &str,
@@ -174,10 +174,10 @@ impl Plan {
     }
 }
 
-/// Flies and records; `progress` is told how many more ticks were flown.
+/// Flies and records `flight`; `progress` receives the number of ticks since its last call.
 ///
 /// # Errors
-/// [`CollectError`] if it cannot be flown or written.
+/// [`CollectError`] if the flight cannot be built or the recording cannot be written.
 pub fn collect(flight: &Flight, progress: &dyn Fn(u64)) -> Result<Collected, CollectError> {
     let Flight { scenario, file } = flight;
     let build = |why: BuildError| CollectError::Build {
@@ -246,7 +246,7 @@ pub fn sha256_of(path: &Path) -> Result<String, CollectError> {
     }))
 }
 
-/// What is summed up of the ticks of a flight.
+/// Sums over the ticks of a flight.
 #[derive(Default)]
 struct Watched {
     residuals: Vec<Coords>,
@@ -254,7 +254,7 @@ struct Watched {
 }
 
 impl Watched {
-    /// The first second belongs to the start.
+    /// Adds a tick; the first second belongs to the start and is left out.
     fn add(&mut self, tick: &Tick) {
         if tick.measurement.t_s < 1.0 {
             return;
@@ -265,8 +265,8 @@ impl Watched {
     }
 }
 
-/// What a control study found for the spread of the residual over such flights with 0, 200 and 400 g: N and N m. Another plant,
-/// so of its order of magnitude, not equal.
+/// Standard deviation of the residual in a control study, over such flights with 0, 200 and 400 g, N and N m. The study used another plant,
+/// so only the order of magnitude is comparable.
 pub const EXPECTED_STD: [f64; N] = twin_core::residual::NOMINAL_SCALE;
 
 #[cfg(test)]
@@ -280,7 +280,7 @@ mod tests {
         let all: Vec<Coords> = (0..100).map(value).collect();
         let parts = [Spread::of(&all[..30]), Spread::of(&all[30..90]), Spread::of(&all[90..])];
         let (whole, together) = (Spread::of(&all), Spread::together(&parts));
-        // A few hundred roundings of numbers near 1.
+        // Tolerance for a few hundred roundings of numbers near 1.
         assert!((whole.mean - together.mean).norm() < 1e-13);
         assert!((whole.std - together.std).norm() < 1e-13);
         assert!((Spread::of(&[value(3)]).std).norm() == 0.0);

@@ -40,24 +40,24 @@ impl std::fmt::Display for Verdict {
     }
 }
 
-/// When a flight is over; the scenario's `verdict`.
+/// Criteria for the end of a flight; the scenario's `verdict`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct VerdictSettings {
-    /// The vehicle has left when it is farther than this from the origin, m.
+    /// The vehicle has left the arena if it is farther than this from the origin, m.
     pub arena_radius_m: f64,
-    /// The vehicle has crashed when a body that is not a pad met something harder than this, N.
+    /// The vehicle has crashed if a contact force on a body other than a pad exceeds this, N.
     pub crash_n: f64,
-    /// The vehicle has tipped over when it is tilted more than this, rad.
+    /// The vehicle has tipped over if its tilt exceeds this, rad.
     pub tipped_rad: f64,
-    /// The payload is lost when it moved this far in the palm, m.
+    /// The payload is lost if it has moved this far in the palm, m.
     pub lost_m: f64,
-    /// A payload is placed within this horizontal distance of its place, m.
+    /// A payload is placed if its horizontal distance from its place is below this, m.
     pub placed_m: f64,
-    /// A payload is placed within this height above or below its place, m.
+    /// A payload is placed if its height differs from that of its place by less than this, m.
     pub placed_height_m: f64,
-    /// A payload is placed when it is tilted less than this, rad.
+    /// A payload is placed if its tilt is below this, rad.
     pub placed_tilt_rad: f64,
-    /// A payload is placed when it moves slower than this, m/s.
+    /// A payload is placed if its speed is below this, m/s.
     pub placed_speed_m_s: f64,
 }

@@ -1,9 +1,9 @@
-//! Reads a scenario: the defaults, over them the file, over it `--set key=value`; every finding names its place and key.
+//! Reads a scenario: the file overrides the defaults, and `--set key=value` overrides the file. Every error names place and key.
 //!
-//! The text of the defaults is also the schema: a key that it does not hold is unknown, a value of another type than
-//! its is wrong. Keys without a default value (optional ones, elements of a list that is empty by default, tables
-//! with free names) stand in its table `example`, which is taken out before the values are used. There a list's first
-//! element stands for all, and a key `"*"` for any name.
+//! The text of the defaults is also the schema: a key that it does not contain is unknown, and a value of another type is wrong. Keys
+//! without a default value (optional keys, elements of a list that is empty by default, tables with free names) stand in its table
+//! `example`, which is removed before the values are used. In that table the first element of a list stands for every element, and a key
+//! `"*"` for any name.
 
 use std::path::{Path, PathBuf};
 
@@ -12,10 +12,10 @@ use serde::de::DeserializeOwned;
 use super::document::{Entry, Origin, dotted};
 use super::merge::{Finding, Schema};
 
-/// Most segments of an override's key; scenarios nest half as deep.
+/// Largest number of segments in the key of an override; scenarios nest half as deep.
 const MAX_SEGMENTS: usize = 16;
 
-/// Why a scenario is not usable.
+/// Reason why a scenario is not usable.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ScenarioError {
     /// The file cannot be opened or is not text.
@@ -23,7 +23,7 @@ pub enum ScenarioError {
     Unreadable {
         /// The scenario.
         file: PathBuf,
-        /// The system's words.
+        /// Error of the operating system.
         reason: String,
     },
     /// The text is not TOML.
@@ -31,7 +31,7 @@ pub enum ScenarioError {
     Syntax {
         /// File and line, or the text of the override.
         place: String,
-        /// What the parser met.
+        /// Message of the parser.
         found: String,
     },
     /// A key is unknown, or its value is not allowed.
@@ -41,14 +41,14 @@ pub enum ScenarioError {
         place: String,
         /// Dotted key.
         key: String,
-        /// What stands there.
+        /// Value or key that was found.
         found: String,
-        /// What may stand there.
+        /// Allowed values or keys.
         allowed: String,
-        /// The likely slip and its remedy; may be empty.
+        /// The likely mistake and its correction; may be empty.
         hint: String,
     },
-    /// A value of the right type that the simulator has no use for, or a key that is missing.
+    /// A value has the right type but makes no sense for the simulator, or a key is missing.
     #[error("{place}: {key}: {reason}; compare with defaults.toml")]
     Value {
         /// File and line, or the text of the override.
@@ -66,10 +66,10 @@ pub enum ScenarioError {
     },
 }
 
-/// The scenario in `file`, over `defaults` (the text of the defaults file), under `overrides` (each `key=value`).
+/// The scenario in `file`, which overrides `defaults` (the text of the defaults file); `overrides` (each `key=value`) override both.
 ///
 /// # Errors
-/// Where the file cannot be read, and as [`read_text`].
+/// [`ScenarioError`] if the file cannot be read, and the errors of [`read_text`].
 pub fn read<T: DeserializeOwned>(
     file: &Path,
     defaults: &str,
@@ -85,7 +85,7 @@ pub fn read<T: DeserializeOwned>(
 /// The scenario in `text`, the content of `file`; see [`read`].
 ///
 /// # Errors
-/// For bad syntax, unknown keys, wrong types, NaN, infinity and values out of range: at the first of them.
+/// The first of: bad syntax, unknown key, wrong type, NaN, infinity, value out of range.
 pub fn read_text<T: DeserializeOwned>(
     text: &str,
     file: &Path,
@@ -98,8 +98,8 @@ pub fn read_text<T: DeserializeOwned>(
     names.typed(&merged)
 }
 
-/// The scenario in `text` as a recording holds it, which was flown: keys that are younger than the recording have their defaults,
-/// and ranges are not asked for.
+/// The scenario in `text`, which a recording contains. Keys that are newer than the recording get their defaults, and ranges are not
+/// checked, because the scenario was already flown.
 ///
 /// # Errors
 /// For bad syntax, unknown keys and wrong types.
@@ -121,7 +121,7 @@ fn segment(segment: &serde_path_to_error::Segment) -> Option<String> {
     }
 }
 
-/// The tree that `key.key=value` stands for. A value that is not TOML is taken as text, so that words need no quotes.
+/// The tree of the override `key.key=value`. A value that is not TOML is read as text, so words need no quotes.
 fn parse_override(text: &str, index: usize) -> Result<Entry, ScenarioError> {
     let refused = || ScenarioError::Override { text: text.to_owned() };
     let (key, value) = text.split_once('=').ok_or_else(refused)?;
@@ -133,14 +133,14 @@ fn parse_override(text: &str, index: usize) -> Result<Entry, ScenarioError> {
     Ok(Entry::nested(&segments, Entry::parse_value(value.trim(), place), place))
 }
 
-/// What places are called.
+/// Names of the files, for the places in errors.
 struct Names<'a> {
     file: &'a Path,
     overrides: &'a [String],
 }
 
 impl Names<'_> {
-    /// The tree of `text` over that of `defaults`, under the overrides.
+    /// The tree of `text` merged over that of `defaults`, then the overrides.
     fn merged(&self, text: &str, defaults: &str) -> Result<Entry, ScenarioError> {
         let mut merged = self.parse(defaults, Origin::Default)?;
         let schema = Schema::new(&mut merged);

@@ -1,5 +1,5 @@
-//! The format of a scenario as JSON Schema, for editors; derived from the text of the defaults, which is the schema that files
-//! are read by, the ranges of the registry of quantities and the words that each key's type knows.
+//! The format of a scenario as JSON Schema, for editors. It is derived from the text of the defaults (the schema for reading files), from
+//! the ranges in the registry of quantities, and from the allowed words of each key's type.
 
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
@@ -10,7 +10,7 @@ use super::settings::Settings;
 use twin_core::notation::COORDINATE_NAMES;
 use twin_core::quantity;
 
-/// The schema as text.
+/// The JSON Schema as text.
 pub fn json_schema() -> String {
     let Ok(mut defaults) = Entry::parse(super::DEFAULTS, Origin::Default) else {
         return String::new();
@@ -25,7 +25,7 @@ pub fn json_schema() -> String {
 }
 
 struct Writer {
-    /// A tree with every key, which is a scenario by itself.
+    /// A tree with every key; it is a valid scenario.
     all: toml::Value,
     lines: Vec<&'static str>,
 }
@@ -41,7 +41,7 @@ impl Writer {
                     path.pop();
                     items
                 });
-                // A list that is empty by default and by example holds texts.
+                // A list without elements in defaults and example contains texts.
                 json!({ "type": "array", "items": first.unwrap_or(json!({ "type": "string" })) })
             }
             Node::Whole(_) => with_range("integer", path),
@@ -78,7 +78,7 @@ impl Writer {
         }
     }
 
-    /// The words a text may be, as its type tells them when it is given another; none if any will do.
+    /// The allowed words of a text, read from the error of its type for another word; empty if any text is allowed.
     fn words(&self, path: &[String]) -> Vec<String> {
         let mut tree = self.all.clone();
         let place = path.iter().try_fold(&mut tree, |value, segment| match value {
@@ -96,7 +96,7 @@ impl Writer {
         expected.split('`').skip(1).step_by(2).map(str::to_owned).collect()
     }
 
-    /// The comment behind a key in the defaults.
+    /// The comment after a key in the defaults.
     fn comment(&self, entry: &Entry) -> Option<String> {
         let Origin::Default(line) = entry.place else { return None };
         let (_, comment) = self.lines.get(line.checked_sub(1)? as usize)?.rsplit_once(" # ")?;
@@ -105,7 +105,7 @@ impl Writer {
 }
 
 fn with_range(kind: &str, path: &[String]) -> Value {
-    // The rows of a list may have ranges of their own; an editor is told of their union.
+    // The coordinates of a list may have different ranges; the schema contains their union.
     let places: Vec<Vec<String>> = match path.split_last() {
         Some((last, stem)) if last == "0" => {
             (0..COORDINATE_NAMES.len()).map(|index| [stem, &[index.to_string()]].concat()).collect()
@@ -151,7 +151,7 @@ mod tests {
         assert_eq!(at("/additionalProperties"), json!(false));
     }
 
-    /// Dotted keys of all numbers below `schema`, indices of lists as 0, each with its own part of the schema.
+    /// Dotted keys of all numbers below `schema` (index 0 for every list), each with its part of the schema.
     fn numbers(schema: &Value, path: &[String], found: &mut Vec<(Vec<String>, Value)>) {
         let kind = schema["type"].as_str().unwrap_or_default();
         if ["number", "integer"].contains(&kind) {
@@ -168,7 +168,7 @@ mod tests {
         }
     }
 
-    /// Of any number: the limits of any metric or signal, and the values of any key that a sweep varies.
+    /// Keys whose numbers have no range: limits of any metric or signal, and values of any key that a sweep varies.
     const FREE: [&str; 7] = [
         "bounds.any.max",
         "bounds.any.min",
@@ -191,7 +191,7 @@ mod tests {
                 assert!(FREE.contains(&key.as_str()), "{key} has no range");
                 continue;
             };
-            // A list of coordinates has one schema for all of them: it must reach as far as the widest range among them.
+            // A list of coordinates has one schema for all of them, so its range must contain the range of each.
             let each = (0..COORDINATE_NAMES.len()).filter_map(|index| {
                 let (last, stem) = path.split_last()?;
                 (last == "0").then(|| quantity::at(&[stem, &[index.to_string()]].concat()))?

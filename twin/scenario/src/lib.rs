@@ -1,4 +1,4 @@
-//! One TOML file, one flight, one verdict.
+//! A scenario: one TOML file describes one flight and gives one verdict.
 
 pub mod checks;
 pub mod golden;
@@ -52,7 +52,7 @@ use twin_core::tuning::Tuning;
 use twin_record::RecordingInfo;
 use twin_record::scene::Scene;
 
-/// Every key of a scenario with its default; also the schema.
+/// Text of the defaults: every key of a scenario with its default value; also the schema.
 pub const DEFAULTS: &str = include_str!("../../../scenarios/defaults.toml");
 
 /// A scenario ready to fly.
@@ -60,25 +60,25 @@ pub const DEFAULTS: &str = include_str!("../../../scenarios/defaults.toml");
 pub struct Scenario {
     /// File name without its ending.
     pub name: String,
-    /// Where the file lies; model files are relative to its folder.
+    /// Path of the file; model files are relative to its folder.
     pub file: PathBuf,
-    /// What it says.
+    /// Settings that the file contains.
     pub settings: Settings,
 }
 
-/// Where the files of a scenario's vehicle lie, and what its arm's joints are called.
+/// Files of a scenario's vehicle, and the names of its arm's joints.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct VehicleFiles {
     /// URDF.
     pub urdf: PathBuf,
-    /// Name and folder of the packages that its meshes are in.
+    /// Name and folder of each package that contains meshes.
     pub packages: Vec<(String, PathBuf)>,
     /// Names of the arm's joints.
     pub joints: Vec<String>,
 }
 
 impl Scenario {
-    /// The scenario in `file` over the defaults, under `overrides` (`key=value` each).
+    /// The scenario in `file` merged over the defaults, with `overrides` (`key=value` each).
     ///
     /// # Errors
     /// [`ScenarioError`] naming file, line, key, what was found and what is allowed.
@@ -104,7 +104,7 @@ impl Scenario {
         Ok(scenario)
     }
 
-    /// What stands for a scenario while the recording `file` is mirrored: the defaults, of which nothing flies.
+    /// The scenario that stands for a recording while `file` is mirrored: the defaults, which are not flown.
     ///
     /// # Errors
     /// [`BuildError`] if the defaults cannot be read.
@@ -113,7 +113,7 @@ impl Scenario {
             file::read_text::<Settings>("", file, DEFAULTS, &[]).map_err(|error| {
                 BuildError::Unreadable { file: "defaults".into(), reason: error.to_string() }
             })?;
-        // What the vehicle carries, the recording does not say.
+        // A recording does not contain the mass of its payload.
         settings.payload.mass_kg = 0.0;
         Ok(Self { name: name.to_owned(), file: file.to_owned(), settings })
     }
@@ -126,15 +126,15 @@ impl Scenario {
         self.parts().map(Flight::new)
     }
 
-    /// The parts of the flight, for whoever flies them with another source, predictor or task.
+    /// The parts of the flight, for flying them with another source, predictor or task.
     ///
     /// # Errors
-    /// As [`Scenario::build`].
+    /// The errors of [`Scenario::build`].
     pub fn parts(&self) -> Result<Parts, BuildError> {
         assemble::parts(self)
     }
 
-    /// The values a preset stands for in this scenario.
+    /// The values of a preset in this scenario.
     pub fn preset_tuning(&self, preset: Preset) -> Tuning {
         assemble::preset_tuning(&self.settings, preset)
     }
@@ -147,7 +147,7 @@ impl Scenario {
         assemble::tuning(&self.settings)
     }
 
-    /// What the viewers draw.
+    /// The scene for the viewers.
     ///
     /// # Errors
     /// [`BuildError`] if a model file is not usable.
@@ -155,7 +155,7 @@ impl Scenario {
         scene::scene(self)
     }
 
-    /// What the vehicle's actuators can do.
+    /// The limits of the vehicle's actuators.
     ///
     /// # Errors
     /// [`BuildError`] if a model file is not usable.
@@ -175,7 +175,7 @@ impl Scenario {
         })
     }
 
-    /// What is known of the predictor before it predicts.
+    /// Properties of the predictor that are known before its first forecast.
     ///
     /// # Errors
     /// [`BuildError`] if its weights are not usable.
@@ -183,7 +183,7 @@ impl Scenario {
         assemble::predictor_info(self)
     }
 
-    /// Where the files of the vehicle lie.
+    /// Paths of the vehicle's files.
     ///
     /// # Errors
     /// [`BuildError::Unfit`] if a package has no name or no folder.
@@ -195,7 +195,7 @@ impl Scenario {
         })
     }
 
-    /// What a recording says about a flight of this scenario that starts with `tuning`.
+    /// Metadata of the recording of a flight of this scenario that starts with `tuning`.
     ///
     /// # Errors
     /// [`BuildError`] if a model file is not usable.
@@ -230,24 +230,24 @@ impl Scenario {
     }
 }
 
-/// Why a scenario that reads well cannot be flown.
+/// Reason why a valid scenario cannot be flown.
 #[derive(Debug, thiserror::Error)]
 pub enum BuildError {
-    /// A model file.
+    /// A model file is not usable.
     #[error(transparent)]
     Model(#[from] twin_plant::model::ModelError),
-    /// The plant.
+    /// The plant cannot be built.
     #[error(transparent)]
     Plant(#[from] twin_plant::PlantError),
-    /// Gains.
+    /// A gain is refused.
     #[error(transparent)]
     Tuning(#[from] twin_core::tuning::TuningError),
-    /// Trained weights.
+    /// Trained weights are not usable.
     #[error("predictor.weights: {file}: {error}")]
     Weights {
         /// File.
         file: String,
-        /// What is wrong with it.
+        /// Reason.
         error: WeightsError,
     },
     /// A file cannot be read.
@@ -255,15 +255,15 @@ pub enum BuildError {
     Unreadable {
         /// File.
         file: String,
-        /// The system's words.
+        /// Error of the operating system.
         reason: String,
     },
-    /// A value that only makes sense with another.
+    /// A value contradicts another value.
     #[error("{key}: {reason}")]
     Unfit {
         /// Key.
         key: &'static str,
-        /// What is wrong and what to do.
+        /// What is wrong and how to correct it.
         reason: String,
     },
 }

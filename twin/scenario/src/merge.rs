@@ -1,11 +1,11 @@
-//! What a scenario may hold (the schema), how a file goes over the defaults, and the check of the values.
+//! The schema of a scenario, the merge of a file over the defaults, and the check of the values.
 
 use std::collections::BTreeMap;
 
 use super::document::{Entry, Node, Origin, dotted};
 use twin_core::quantity;
 
-/// What is wrong with one key.
+/// An error at one key.
 #[derive(Debug)]
 pub(super) struct Finding {
     pub(super) place: Origin,
@@ -17,18 +17,18 @@ pub(super) struct Finding {
 }
 
 impl Entry {
-    /// Puts `over` over these values.
+    /// Merges `over` over these values.
     pub(super) fn merge(&mut self, over: Entry, schema: &Schema) -> Result<(), Finding> {
         merge(self, over, Some(&schema.root), schema, &mut Vec::new())
     }
 
-    /// The first number that is not finite or out of range.
+    /// Fails at the first number that is not finite or out of range.
     pub(super) fn check_values(&self) -> Result<(), Finding> {
         check_values(self, &mut Vec::new())
     }
 }
 
-/// Every key a scenario may hold, with a value of its type.
+/// Every key of a scenario with a value of its type.
 pub(super) struct Schema {
     root: Entry,
     /// Dotted paths of all leaves, for suggestions.
@@ -36,7 +36,7 @@ pub(super) struct Schema {
 }
 
 impl Schema {
-    /// The schema of `defaults`, whose table `example` is taken out of them.
+    /// The schema of `defaults`; removes the table `example` from them.
     pub(super) fn new(defaults: &mut Entry) -> Self {
         let example = match &mut defaults.node {
             Node::Table(table) => table.remove("example"),
@@ -70,11 +70,11 @@ impl Schema {
     }
 }
 
-/// Jaro-Winkler likeness from which a key is worth suggesting: one letter dropped from `mass_kg` gives 0.97.
+/// Jaro-Winkler similarity from which a key is suggested: `mass_kg` with one letter missing has 0.97.
 const LIKE: f64 = 0.8;
 
 impl Entry {
-    /// Adds what `example` has and these do not.
+    /// Adds the keys of `example` that are missing here.
     fn complete(&mut self, example: Entry) {
         match (&mut self.node, example.node) {
             (Node::Table(table), Node::Table(more)) => {
@@ -158,7 +158,7 @@ fn merge(
     Ok(())
 }
 
-/// What a new entry is merged into: nothing of the pattern but its type.
+/// An empty entry of the pattern's type, into which a new entry is merged.
 fn fresh(entry: &Entry, pattern: Option<&Entry>) -> Entry {
     let mut node = pattern.unwrap_or(entry).node.clone();
     match &mut node {
@@ -169,7 +169,7 @@ fn fresh(entry: &Entry, pattern: Option<&Entry>) -> Entry {
     Entry { place: entry.place, node }
 }
 
-/// An override's `list.2.key=value`.
+/// Merges an override such as `list.2.key=value`.
 fn merge_indexed(
     known: &mut [Entry],
     given: BTreeMap<String, Entry>,

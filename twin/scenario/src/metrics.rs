@@ -1,8 +1,8 @@
-//! What a flight is judged by. Names are `snake_case` with the unit last.
+//! Metrics by which a flight is judged. Names are `snake_case` with the unit last.
 //!
-//! `e8` is the norm of the tracking error in m and rad: true position, yaw and joints against the reference, roll and pitch
-//! against the command filter. `rms_error_e8` covers every tick from 2 s on; `rms_error_e8_transport` the ticks with the payload
-//! in hand, from lift-off to touchdown.
+//! `e8` is the norm of the tracking error in m and rad: true position, yaw and joints against the reference, roll and pitch against the
+//! command filter. `rms_error_e8` covers every tick from 2 s on; `rms_error_e8_transport` covers the ticks with the payload in the gripper,
+//! from lift-off to touchdown.
 
 use std::collections::BTreeMap;
 
@@ -13,7 +13,7 @@ use twin_core::notation::{COORDINATE_NAMES, Coords, N, tracking_error};
 use twin_core::residual::NOMINAL_SCALE;
 use twin_core::tick::{EventKind, Tick};
 
-/// Errors before this time belong to the start, s.
+/// Errors before this time belong to the start and are left out, s.
 const FROM_S: f64 = 2.0;
 
 /// Root of a mean of squares.
@@ -63,7 +63,7 @@ pub struct Metrics {
     last: Option<Last>,
 }
 
-/// What the last tick says about the payload.
+/// State of the payload at the last tick.
 #[derive(Clone, Copy, Debug)]
 struct Last {
     payload: Vector3<f64>,
@@ -72,7 +72,7 @@ struct Last {
 }
 
 impl Metrics {
-    /// Takes a tick into account.
+    /// Adds a tick.
     pub fn add(&mut self, tick: &Tick) {
         let t_s = tick.measurement.t_s;
         self.ticks += 1.0;
@@ -117,7 +117,7 @@ impl Metrics {
         }
     }
 
-    /// A-priori prediction of the residual against persistence; held ticks are not predictions.
+    /// Adds the a-priori prediction of the residual and the persistence forecast; ticks with a frozen adapter are left out.
     fn add_prediction(&mut self, tick: &Tick) {
         let Some(previous) = self.previous_residual.filter(|_| !tick.adapted.frozen) else {
             return;
@@ -150,7 +150,7 @@ impl Metrics {
         });
     }
 
-    /// The metrics by name; `place` is where the payload should rest, m, if there is one to place. Metrics without data are left out.
+    /// The metrics by name. `place` is the target position of the payload, m, if there is one. Metrics without data are left out.
     pub fn finish(mut self, place: Option<Vector3<f64>>) -> BTreeMap<String, f64> {
         let mut out = BTreeMap::new();
         let mut put = |name: &str, value: Option<f64>| {
@@ -189,7 +189,7 @@ impl Metrics {
         out
     }
 
-    /// Mean over rows of `1 - sum (r - r_hat)^2 / sum (r - mean r)^2`, a priori.
+    /// R² of the a-priori estimate: mean over coordinates of `1 - sum (r - r_hat)^2 / sum (r - mean r)^2`.
     fn r_squared(&self) -> Option<f64> {
         let n = self.residual_count;
         (n > 1.0).then(|| {
@@ -202,7 +202,7 @@ impl Metrics {
     }
 }
 
-/// Root mean square over rows and time, each row divided by the residual's standard deviation.
+/// Root mean square over coordinates and time; each coordinate is divided by the residual's standard deviation.
 fn pooled_rmse_z(rows: &[Rms; N]) -> Option<f64> {
     let sum: f64 =
         rows.iter().zip(NOMINAL_SCALE).map(|(row, scale)| row.sum / (scale * scale)).sum();

@@ -1,4 +1,4 @@
-//! The scenario file as types; what each key means and its default stand in `scenarios/defaults.toml`.
+//! The scenario file as types; `scenarios/defaults.toml` explains each key and gives its default.
 
 use std::collections::BTreeMap;
 
@@ -17,19 +17,19 @@ use twin_plant::{
     VehicleSettings, WindSettings,
 };
 
-/// Everything a scenario file may say.
+/// Every setting of a scenario file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Settings {
-    /// One line for people.
+    /// Title in one line.
     pub title: String,
-    /// Seed of everything random.
+    /// Seed of all random numbers.
     pub seed: u64,
     /// The flight ends as timed out after this time, s.
     pub time_limit_s: f64,
     /// The vehicle.
     pub vehicle: VehicleSettings,
-    /// What stands around.
+    /// Objects around the vehicle.
     pub arena: ArenaSettings,
     /// The cube.
     pub payload: PayloadSettings,
@@ -41,57 +41,57 @@ pub struct Settings {
     pub sensors: SensorSettings,
     /// Contact solver.
     pub contact: ContactSettings,
-    /// What to fly.
+    /// Task to fly.
     pub task: TaskSettings,
-    /// What predicts the residual.
+    /// Predictor of the residual.
     pub predictor: PredictorSettings,
-    /// What controls.
+    /// Control law.
     pub controller: ControllerSettings,
     /// Gains at the start.
     pub gains: GainSettings,
-    /// When the flight is over.
+    /// Criteria for the end of the flight.
     pub verdict: VerdictSettings,
-    /// Changes of the world by time.
+    /// Changes of the world at given times.
     #[serde(default)]
     pub disturbances: Vec<Scheduled>,
-    /// Failures of the vehicle's parts by time.
+    /// Failures of the vehicle's parts at given times.
     #[serde(default)]
     pub faults: Vec<ScheduledFailure>,
-    /// Limits of metrics of the whole flight.
+    /// Limits on metrics of the whole flight.
     #[serde(default)]
     pub bounds: BTreeMap<String, Bound>,
-    /// Limits of signals over a window.
+    /// Limits on signals over a window.
     #[serde(default)]
     pub checks: Vec<Check>,
-    /// A stored flight to repeat.
+    /// A stored flight that this flight must repeat.
     pub golden: Option<GoldenSettings>,
-    /// The scenario flown many times with other values of some keys.
+    /// Repeats the scenario with other values of some keys.
     pub sweep: Option<Sweep>,
-    /// What the scenario must end with.
+    /// Expected end of the flight.
     pub expect: Expect,
 }
 
-/// What to fly.
+/// Task to fly.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TaskSettings {
-    /// Which task.
+    /// Kind of the task.
     pub kind: TaskKind,
-    /// Where it begins.
+    /// Start of the flight.
     pub start: StartKind,
     /// Base position at the start, m.
     pub start_position_m: [f64; 3],
     /// Cruise speed on the path, m/s.
     pub speed_m_s: f64,
-    /// Where the centre of the cube shall rest, m.
+    /// Target position of the centre of the cube, m.
     pub place_position_m: [f64; 3],
-    /// Arm while grasping, rad.
+    /// Joint angles while grasping, rad.
     pub grasp_joints_rad: [f64; 2],
-    /// Arm during transport, rad.
+    /// Joint angles during transport, rad.
     pub transit_joints_rad: [f64; 2],
-    /// Attempts before giving up.
+    /// Largest number of attempts before the task gives up.
     pub retry_limit: u32,
-    /// Lightest payload that a lift is checked against, kg.
+    /// Smallest payload whose weight a lift must show, kg.
     pub least_payload_kg: f64,
     /// Duration of a hover or of an excitation, s.
     pub duration_s: f64,
@@ -101,7 +101,7 @@ pub struct TaskSettings {
     pub excitation: ExcitationSettings,
 }
 
-/// Which task.
+/// Kind of the task.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TaskKind {
@@ -115,11 +115,11 @@ pub enum TaskKind {
     Excitation,
 }
 
-/// Where a flight begins.
+/// Start of the flight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum StartKind {
-    /// In the air, payload where its section says.
+    /// In the air; the payload is at the position in its section.
     Hover,
     /// In the air with the payload in the closed gripper.
     Grasped,
@@ -129,7 +129,7 @@ pub enum StartKind {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PathSettings {
-    /// Which shape.
+    /// Shape of the path.
     pub shape: PathShape,
     /// Start of the S or crossing of the eight, m.
     pub origin_m: [f64; 3],
@@ -137,7 +137,7 @@ pub struct PathSettings {
     pub length_m: f64,
     /// S: amplitude to the sides, m.
     pub sway_m: f64,
-    /// S: rise, m.
+    /// S: height gained, m.
     pub rise_m: f64,
     /// S: vertical swing, m.
     pub bob_m: f64,
@@ -145,7 +145,7 @@ pub struct PathSettings {
     pub half_length_m: f64,
     /// Eight: half extent along y, m.
     pub half_width_m: f64,
-    /// Eight: laps.
+    /// Eight: number of laps.
     pub laps: f64,
 }
 
@@ -161,7 +161,7 @@ pub struct ExcitationSettings {
     pub joints_low_rad: [f64; 2],
     /// Largest joint angles, rad.
     pub joints_high_rad: [f64; 2],
-    /// Heading either way, rad.
+    /// Largest heading to either side, rad.
     pub yaw_rad: f64,
     /// Slowest and fastest mean speed between two way-points, m/s.
     pub mean_speed_m_s: [f64; 2],
@@ -179,11 +179,11 @@ pub enum PathShape {
     FigureEight,
 }
 
-/// What predicts the residual.
+/// Predictor of the residual.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PredictorSettings {
-    /// Which predictor.
+    /// Kind of the predictor.
     pub kind: PredictorKind,
     /// Width `d_k` of random features.
     pub features: usize,
@@ -191,19 +191,19 @@ pub struct PredictorSettings {
     pub seed: u64,
     /// Unit of the innovation.
     pub units: Units,
-    /// File of trained weights, relative to the scenario file; `default` stands for those the program was built with.
+    /// File of trained weights, relative to the scenario file; `default` names the weights that are built into the program.
     pub weights: String,
-    /// Weights that were not accepted in closed loop fly all the same.
+    /// Fly weights even if they were not accepted in closed loop.
     pub force: bool,
-    /// Arithmetic of a network; `auto` is the fastest of this processor.
+    /// Arithmetic of a network; `auto` selects the fastest one for this processor.
     pub kernel: String,
 }
 
-/// Which predictor.
+/// Kind of the predictor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PredictorKind {
-    /// Zero.
+    /// A residual of zero.
     None,
     /// Gravity of the empty vehicle.
     Gravity,
@@ -215,7 +215,7 @@ pub enum PredictorKind {
     RandomFeatures,
     /// The Factorized Dynamics Transformer.
     Fdt,
-    /// Whatever model the file of weights is of.
+    /// The model in the file of weights.
     Trained,
 }
 
@@ -229,57 +229,57 @@ pub enum Units {
     Physical,
 }
 
-/// What controls.
+/// Control law.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ControllerSettings {
-    /// Which law.
+    /// Kind of the control law.
     pub kind: ControllerKind,
-    /// Rate of the inner rows, Hz: 1000, 500, 250, 125 or so; a divisor of 1000.
+    /// Rate of the inner controller, Hz: a divisor of 1000, such as 1000, 500, 250 or 125.
     pub inner_hz: f64,
-    /// Residual, adapter and translation rows run every so many ticks.
+    /// Number of ticks of one period of residual, adapter and control of x y z.
     pub outer_divisor: u32,
     /// Effective inertia about roll, pitch, yaw for the PX4-like rate loop, kg m².
     pub attitude_inertia_kg_m2: [f64; 3],
-    /// Nominal inertia `M_bar` per row, kg and kg m².
+    /// Nominal inertia `M_bar` per coordinate, kg and kg m².
     pub nominal_inertia: [f64; 8],
     /// The safe set around nominal gravity.
     pub limits: SafeSet,
-    /// L1 adaptive control.
+    /// Settings of L1 adaptive control.
     pub l1: L1Settings,
-    /// Excitation on top of the law.
+    /// Excitation that is added to the command.
     pub multisine: MultisineSettings,
 }
 
-/// What decides how an L1 controller flies.
+/// Settings of an L1 controller.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct L1Settings {
     /// `-A_s`, 1/s.
     pub pole_per_s: f64,
-    /// Corner of its low-pass of the rows x y z, then of the others, rad/s.
+    /// Corner of its low-pass for x y z, then for the other coordinates, rad/s.
     pub cutoff_rad_s: [f64; 2],
 }
 
-/// Sines on top of what the law commands, their phases from the scenario's seed.
+/// Sines that are added to the command; their phases follow from the scenario's seed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MultisineSettings {
-    /// Sines per row; none switches the excitation off.
+    /// Number of sines per coordinate; 0 switches the excitation off.
     pub tones: usize,
-    /// Slowest and fastest of the rows x y z, Hz.
+    /// Lowest and highest frequency for x y z, Hz.
     pub force_hz: [f64; 2],
-    /// Slowest and fastest of the other rows, Hz.
+    /// Lowest and highest frequency for the other coordinates, Hz.
     pub moment_hz: [f64; 2],
-    /// Root mean square of each row, N and N m.
+    /// Root mean square of the excitation per coordinate, N and N m.
     pub rms: [f64; 8],
 }
 
-/// Which law.
+/// Kind of the control law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ControllerKind {
-    /// The paper's.
+    /// The paper's adaptive law.
     Adaptive,
     /// Plain PID.
     Pid,
@@ -287,42 +287,42 @@ pub enum ControllerKind {
     L1,
 }
 
-/// Gains at the start: a preset and what differs from it.
+/// Gains at the start: a preset and the gains that differ from it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GainSettings {
-    /// Where to start from.
+    /// Preset to start from.
     pub preset: Preset,
     /// Law on attitude.
     pub inner_law: Option<InnerLaw>,
-    /// Error slope per row.
+    /// Error slope per coordinate.
     pub slope: Option<[f64; 8]>,
-    /// Damping per row.
+    /// Damping per coordinate.
     pub damping: Option<[f64; 8]>,
     /// Every other parameter by its name in the registry of [`twin_core::tuning::Tuning`].
     #[serde(flatten)]
     pub scalars: BTreeMap<String, f64>,
 }
 
-/// A change of the world at a time.
+/// A change of the world at a given time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Scheduled {
-    /// When, s.
+    /// Time of the change, s.
     pub at_s: f64,
-    /// What.
+    /// The change.
     #[serde(flatten)]
     pub disturbance: Disturbance,
 }
 
-/// A failure for a time.
+/// A failure over a given time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ScheduledFailure {
-    /// When it begins, s: from the start, or from when the condition first holds.
+    /// Begin of the failure, s from the start, or from when the condition is first true.
     pub at_s: f64,
-    /// How long it lasts, s; to the end of the flight if absent.
+    /// Duration, s; without it the failure lasts to the end of the flight.
     pub duration_s: Option<f64>,
-    /// What it waits for.
+    /// Condition that the failure waits for.
     pub when: Option<Condition>,
-    /// What fails.
+    /// The failure.
     #[serde(flatten)]
     pub failure: Failure,
 }
@@ -337,14 +337,14 @@ pub struct Bound {
     pub min: Option<f64>,
 }
 
-/// What the scenario must end with.
+/// Expected end of the flight.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Expect {
     /// The verdict.
     pub verdict: Verdict,
-    /// The scenario proves that a test can fail: it passes only if what is named here is broken (a metric, a signal, the kind of
-    /// an event, or `verdict`).
+    /// Name of a check that must fail (a metric, a signal, the kind of an event, or `verdict`): the scenario proves that this check can
+    /// fail, and passes only if it does.
     pub fails: Option<String>,
     /// Events that must or must not happen.
     #[serde(default)]
@@ -352,7 +352,7 @@ pub struct Expect {
 }
 
 impl Settings {
-    /// The part the plant needs.
+    /// The settings of the plant.
     pub fn plant(&self) -> PlantSettings {
         PlantSettings {
             vehicle: self.vehicle.clone(),

@@ -1,4 +1,4 @@
-//! When a flight ends and why, in a word and a sentence.
+//! Decides when a flight ends, with its verdict and a sentence for the reason.
 
 pub use super::ending::{Verdict, VerdictSettings};
 use super::settings::{Settings, TaskKind};
@@ -16,7 +16,7 @@ pub struct Judge {
 }
 
 impl Judge {
-    /// For a flight of `settings`.
+    /// A judge for a flight with `settings`.
     pub fn new(settings: &Settings) -> Self {
         Self {
             limits: settings.verdict,
@@ -27,7 +27,7 @@ impl Judge {
         }
     }
 
-    /// The verdict with its sentence once the flight is over.
+    /// The verdict and its reason once the flight is over.
     pub fn watch(&mut self, tick: &Tick) -> Option<(Verdict, String)> {
         let t_s = tick.measurement.t_s;
         let Some(truth) = &tick.truth else {
@@ -115,7 +115,7 @@ impl Judge {
     }
 }
 
-/// The end of a flight whose vehicle tipped over, hit something or left.
+/// The verdict if the vehicle tipped over, hit something or left the arena.
 fn lost_vehicle(
     limits: &VerdictSettings,
     tick: &Tick,

@@ -1,4 +1,4 @@
-//! The numbers of a telemetry row: what each is called and where in a [`Tick`] it comes from.
+//! The channels of a telemetry row: the name of each number and its source in a [`Tick`].
 
 use std::sync::Arc;
 
@@ -10,15 +10,15 @@ use twin_core::tick::{Adapted, Forecast, Tick};
 use twin_core::tuning::Tuning;
 use twin_scenario::ActuatorLimits;
 
-/// `None` is unknown.
+/// Reads the value of a channel; `None` is unknown.
 type Take = Box<dyn Fn(&RowSource) -> Option<f64> + Send + Sync>;
 
-/// What a row is made of.
+/// The data from which a row is made.
 #[derive(Clone, Copy, Debug)]
 pub struct RowSource<'a> {
     /// The tick.
     pub tick: &'a Tick,
-    /// Values it was flown with.
+    /// Values in force while it was flown.
     pub tuning: &'a Tuning,
     /// Eigenvalues of the adapter's covariance, largest first.
     pub spectrum: &'a [f64],
@@ -31,7 +31,7 @@ pub struct Channels {
 }
 
 impl Channels {
-    /// The channels of a vehicle with `rotors` rotors and these limits, flown with such a predictor.
+    /// The channels of a flight with `rotors` rotors, these actuator limits and this predictor.
     pub fn new(rotors: usize, limits: &ActuatorLimits, predictor: &PredictorInfo) -> Self {
         let mut channels = Builder { infos: Vec::new(), takes: Vec::new(), scale: predictor.scale };
         channels.tracking();
@@ -46,7 +46,8 @@ impl Channels {
         Self { infos: Arc::new(channels.infos), takes: channels.takes }
     }
 
-    /// The channels of a mirrored flight: the reference is what was expected, and the residual's scale is that of the flight.
+    /// The channels of a mirrored flight: its reference is the expected pose, and `scale` is the standard deviation of its residual, N and
+    /// N m.
     pub fn mirrored(rotors: usize, scale: &Coords) -> Self {
         let limits = ActuatorLimits {
             rotor_thrust_n: [f64::NEG_INFINITY, f64::INFINITY],
@@ -69,7 +70,7 @@ impl Channels {
         &self.infos
     }
 
-    /// The row of a tick: here alone an unknown number becomes NaN on the wire.
+    /// The row of a tick. Only here an unknown number becomes NaN.
     pub fn row(&self, sample: &RowSource) -> Arc<[f32]> {
         self.takes.iter().map(|take| take(sample).map_or(f32::NAN, |value| value as f32)).collect()
     }
@@ -153,7 +154,7 @@ impl Builder {
         self.rows(RESIDUAL, UNITS, "adapted", "adapted forecast", |tick| Some(tick.adapted.r_hat));
         self.rows(RESIDUAL, UNITS, "ahead", "k-step forecast", |t| ahead(&t.forecast, &t.adapted));
         self.rows(RESIDUAL, UNITS, "r_hat", "estimate in force", |tick| {
-            // What is in force where the residual is unknown is the loop's own choice, and nothing that anybody knows.
+            // Where the residual is unknown, the loop uses a stand-in as estimate: it is no measurement, so it is left out.
             Some(KnownCoords::from(tick.setpoint.r_hat).only(tick.residual.known()))
         });
     }
@@ -186,7 +187,7 @@ impl Builder {
         add("covariance_eig_min", "smallest eigenvalue of Σ", <[f64]>::last);
     }
 
-    /// One channel per input channel a network looks at, most looked at where the value is largest.
+    /// One channel per input channel of the network; the network attends most to the channel with the largest value.
     fn attention(&mut self, attends: &[String]) {
         for (index, channel) in attends.iter().enumerate() {
             self.add("attention", "", &format!("attention.{channel}"), channel, move |tick, _| {
@@ -249,11 +250,11 @@ impl Builder {
     }
 }
 
-/// Group of everything that is a residual force.
+/// Group of the residual forces.
 const RESIDUAL: &str = "residual";
 
-/// Adapted forecast for the end of the horizon, `r_hat(t+k|t)`; `None` if the predictor looks no further than this tick.
-/// The adapter corrects every step of the horizon by what it corrects the first.
+/// Adapted forecast for the end of the horizon, `r_hat(t+k|t)`, N and N m; `None` if the predictor forecasts only this tick. The adapter
+/// adds its correction of the first step to every step.
 fn ahead(forecast: &Forecast, adapted: &Adapted) -> Option<KnownCoords> {
     let first = forecast.base.first()?;
     let last = forecast.base.get(1..)?.last()?;
@@ -261,7 +262,7 @@ fn ahead(forecast: &Forecast, adapted: &Adapted) -> Option<KnownCoords> {
     Some(KnownCoords::from(ahead).only(adapted.r_hat.known()))
 }
 
-/// Thrust of each rotor: the true one where somebody knows it, else the one asked for, N.
+/// Thrust of each rotor, N: the true one if it is known, otherwise the commanded one.
 fn thrusts(tick: &Tick) -> &[f64] {
     let asked = &tick.actuators.rotor_thrust_n;
     tick.truth.as_ref().map_or(asked, |truth| &truth.rotor_thrust_n)
@@ -312,7 +313,7 @@ mod tests {
         assert_eq!(row(&channels, &fixture::tick(3)).len(), names.len());
         names.sort_unstable();
         names.dedup();
-        // 9 stems of 8 rows, 15 single ones, 3 of the spectrum, 2 of the attention, 3 of the wind, 4 rotors, 2 joints.
+        // 9 stems of 8 coordinates, 15 single channels, 3 of the spectrum, 2 of the attention, 3 of the wind, 4 rotors, 2 joints.
         assert_eq!(names.len(), 9 * 8 + 15 + 3 + 2 + 3 + 4 + 2);
     }
 

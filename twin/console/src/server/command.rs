@@ -1,4 +1,4 @@
-//! What a client asks, checked: everything that reaches the flight is inside its limits.
+//! Commands of clients, checked: every value that reaches the flight is inside its limits.
 
 use crate::server::gains::{self, Change};
 use crate::server::protocol::{ClientMessage, PresetName, ScenarioInfo};
@@ -11,18 +11,18 @@ use twin_scenario::Preset;
 pub(super) const EFFECTS: [&str; 5] =
     ["rotor_drag", "body_drag", "ground_effect", "downwash", "wind"];
 
-/// Something for the flight to do between two ticks.
+/// A command that the flight executes between two ticks.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Command {
     /// Change gains.
     Change(Change),
-    /// Stop or resume.
+    /// Pause (`true`) or resume (`false`).
     Pause(bool),
-    /// Fly so many ticks, then pause.
+    /// Fly this number of ticks, then pause.
     Step(u32),
-    /// Simulated seconds per second; `None` is as fast as the machine can.
+    /// Simulated seconds per second; `None` flies as fast as the machine can.
     Speed(Option<f64>),
-    /// Start anew with a seed and a scenario out of the catalogue; `None` keeps the one in use.
+    /// Restart with another seed and another scenario of the catalogue; `None` keeps the present one.
     Restart {
         /// Seed.
         seed: Option<u64>,
@@ -38,9 +38,9 @@ pub(super) enum Command {
 /// A command with the client that sent it; `None` for the HTTP interface.
 #[derive(Clone, Debug)]
 pub(super) struct Request {
-    /// Who hears if it fails.
+    /// Client that is told about a failure.
     pub client: Option<u64>,
-    /// What to do.
+    /// Command of the client.
     pub command: Command,
 }
 
@@ -50,39 +50,39 @@ pub(super) enum CommandError {
     /// A gain with a wrong name or value.
     #[error(transparent)]
     Gain(#[from] TuningError),
-    /// `custom` is no preset.
+    /// `custom` is no preset that can be chosen.
     #[error(
         "preset custom refused: it is what a set of gains is called that is no preset; allowed: literal, paper, tuned"
     )]
     CustomPreset,
-    /// Failures belong to a scenario, where they can be flown again.
+    /// Failures belong to a scenario, so that the flight can be repeated.
     #[error("disturb failure refused: write it into the scenario as [[faults]]")]
     Failure,
     /// A number outside its limits.
     #[error(transparent)]
     OutOfRange(#[from] OutOfRange),
-    /// A scenario that was not offered.
+    /// The scenario is not in the catalogue.
     #[error("scenario {name:?} refused: not among the offered ones; allowed: {allowed}")]
     UnknownScenario {
-        /// What was asked for.
+        /// Name that was given.
         name: String,
-        /// What exists.
+        /// Names of the catalogue.
         allowed: String,
     },
     /// An effect that does not exist.
     #[error("effect {name:?} refused: there is no such effect; allowed: {allowed}")]
     UnknownEffect {
-        /// What was asked for.
+        /// Name that was given.
         name: String,
-        /// What exists.
+        /// Existing names.
         allowed: String,
     },
 }
 
-/// The command in a message; `ping` is none.
+/// The command in a message; `None` for `ping`.
 ///
 /// # Errors
-/// [`CommandError`] if a name is unknown or a number outside its limits.
+/// [`CommandError`] if a name is unknown or a number is outside its limits.
 pub(super) fn check(
     message: ClientMessage,
     catalogue: &[ScenarioInfo],
@@ -213,12 +213,12 @@ mod tests {
         }
     }
 
-    /// The message of a client that carries `value` at `place`, such as `disturb.push.force_n`.
+    /// A client's message with `value` in the field `place`, such as `disturb.push.force_n`.
     fn carrying(place: &str, value: f64) -> String {
         let segments: Vec<&str> = place.split('.').collect();
         let list = |field: &str| match field {
             "velocity_m_s" | "force_n" => format!("[0.0, 0.0, {value:?}]"),
-            // A whole number of ticks is written without a point.
+            // A whole number of ticks is written without a decimal point.
             "ticks" => format!("{value}"),
             _ => format!("{value:?}"),
         };

@@ -1,7 +1,7 @@
-//! The one place that changes the values in force of a served flight.
+//! The only place that changes the values in force of a served flight.
 //!
-//! A change is checked when it arrives ([`check`]), waits for the end of the tick, and is applied, noted in the flight
-//! (and so recorded) and echoed with the first tick flown with it. The last writer wins.
+//! A change is checked on arrival ([`check`]) and waits for the end of the tick. Then it is applied, noted in the flight (and so recorded)
+//! and echoed with the first tick that uses it. Of several changes of one gain the last one counts.
 
 use crate::server::gain_events::GainEvents;
 use crate::server::protocol::{GainEcho, GainInfo, GainList, PresetName};
@@ -17,7 +17,7 @@ const PRESETS: [(Preset, PresetName, &str); 3] = [
     (Preset::Tuned, PresetName::Tuned, "tuned"),
 ];
 
-/// Gains changed between two ticks that are named one by one.
+/// Largest number of gains whose changes between two ticks are reported by name.
 const MOST_SENTENCES: usize = 3;
 
 /// A gain whose name and value were checked; only [`check`] makes one.
@@ -27,7 +27,7 @@ pub(super) struct CheckedGain {
     value: f64,
 }
 
-/// A change that waits for the end of the tick.
+/// A change that is applied at the end of the tick.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Change {
     /// One gain.
@@ -36,12 +36,12 @@ pub(super) enum Change {
     Preset(Preset),
 }
 
-/// What took effect.
+/// Changes that took effect.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Applied {
-    /// One for every gain that was set or that a preset changed.
+    /// One echo for every gain that was set or that a preset changed.
     pub echoes: Vec<GainEcho>,
-    /// All gains, if a preset was applied: their preset values are new.
+    /// The list of all gains if a preset was applied, because their preset values are new.
     pub list: Option<GainList>,
 }
 
@@ -55,12 +55,12 @@ pub(super) fn check(tuning: &Tuning, name: String, value: f64) -> Result<Checked
     Ok(CheckedGain { name, value })
 }
 
-/// The preset called `name`; `None` for `custom`, which is none.
+/// The preset with this name; `None` for `custom`.
 pub(super) fn preset(name: PresetName) -> Option<Preset> {
     PRESETS.iter().find(|(_, known, _)| *known == name).map(|(preset, ..)| *preset)
 }
 
-/// The presets of a flight, the one chosen last, and what was said about changes.
+/// The presets of a flight, the preset chosen last, and the events about changes.
 pub(super) struct GainPresets {
     presets: [Tuning; PRESETS.len()],
     chosen: usize,
@@ -82,7 +82,7 @@ impl GainPresets {
         PRESETS[self.chosen].1
     }
 
-    /// Changes that have come to rest before `next_tick` become events.
+    /// Notes an event for every gain whose slider was at rest before `next_tick`.
     pub(super) fn settle(&mut self, flight: &mut Flight, next_tick: u64) {
         for text in self.gain_events.settle(next_tick) {
             flight.note(Event::new(EventKind::Gain, text));
@@ -109,14 +109,14 @@ impl GainPresets {
             .collect()
     }
 
-    /// The preset that all values agree with.
+    /// The preset with the same values; `Custom` if none has them.
     pub(super) fn preset(&self, tuning: &Tuning) -> PresetName {
         let tuning = within_ranges(tuning);
         let same = self.presets.iter().position(|preset| *preset == tuning);
         same.map_or(PresetName::Custom, |index| PRESETS[index].1)
     }
 
-    /// Applies the changes that arrived since the last tick; of several for one gain only the last.
+    /// Applies the changes that arrived since the last tick, in their order of arrival.
     pub(super) fn apply(
         &mut self,
         flight: &mut Flight,
@@ -129,7 +129,7 @@ impl GainPresets {
         for change in changes {
             match change {
                 Change::Gain(CheckedGain { name, value }) => {
-                    // Checked on arrival; a refusal now could only mean that the registry changed, and changes nothing.
+                    // `set` was already checked on arrival; if it fails now, nothing is changed.
                     if tuning.set(&name, value).is_ok() && !named.contains(&name) {
                         named.push(name);
                     }
@@ -154,7 +154,7 @@ impl GainPresets {
         Applied { echoes, list }
     }
 
-    /// Takes a preset over and returns the names of the gains that it changed.
+    /// Applies a preset and returns the names of the gains that it changed.
     fn choose(&mut self, preset: Preset, tuning: &mut Tuning) -> Vec<String> {
         self.chosen =
             PRESETS.iter().position(|(known, ..)| *known == preset).unwrap_or(self.chosen);
@@ -162,7 +162,7 @@ impl GainPresets {
         changed(&before, tuning).collect()
     }
 
-    /// What is to be said at once about gains that changed.
+    /// Sentences for the events that are noted at once about changed gains.
     fn sentences(
         &mut self,
         [before, after]: [&Tuning; 2],
@@ -206,7 +206,7 @@ fn shown(tuning: &Tuning, name: &str) -> f64 {
     tuning.get(name).unwrap_or(f64::NAN)
 }
 
-/// The same values inside their ranges: a preset may switch a cap off with a value beyond every slider.
+/// The same values, limited to their ranges: a preset may disable a cap with a value beyond its range.
 fn within_ranges(tuning: &Tuning) -> Tuning {
     let mut inside = *tuning;
     for parameter in Tuning::parameters() {

@@ -1,6 +1,6 @@
-//! What the flight publishes and who listens. The flight never waits here longer than it takes to copy a few pointers.
+//! Passes the data of the flight on to the clients. The flight thread only waits here while a few pointers are copied.
 //!
-//! A client that joins is given a snapshot and its place in the list under one lock, so it misses nothing that follows.
+//! A client that joins receives the snapshot and its place in the list under one lock, so it misses no later message.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -14,7 +14,7 @@ use crate::server::published::Published;
 use crate::server::telemetry::Picture;
 use twin_core::tick::Tick;
 
-/// Clients that may be connected at once.
+/// Largest number of connected clients.
 pub(super) const MOST_CLIENTS: usize = 256;
 
 /// One connected client.
@@ -22,23 +22,23 @@ pub(super) const MOST_CLIENTS: usize = 256;
 pub(super) struct Client {
     /// Its number.
     pub id: u64,
-    /// Something waits in the outbox.
+    /// Wakes the client's task when its outbox has data.
     pub wake: Notify,
     outbox: Mutex<Outbox>,
 }
 
 impl Client {
-    /// What waits for it.
+    /// Messages and ticks that wait to be sent to the client.
     pub(super) fn outbox(&self) -> MutexGuard<'_, Outbox> {
         self.outbox.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// A word to this client alone; dropped if it does not read.
+    /// Sends a notice to this client only; it is dropped if the outbox is full.
     pub(super) fn notice(&self, level: NoticeLevel, text: impl Into<String>) {
         self.say(ServerMessage::Notice(Notice { level, text: text.into() }));
     }
 
-    /// A message to this client alone; dropped if it does not read.
+    /// Sends a message to this client only; it is dropped if the outbox is full.
     pub(super) fn say(&self, message: ServerMessage) {
         if !self.outbox().push_message(Message::Shared(Arc::new(message.into()))) {
             tracing::debug!("client {} does not read; a message to it was dropped", self.id);
@@ -59,11 +59,11 @@ struct Shared {
     clients: BTreeMap<u64, Arc<Client>>,
     next_id: u64,
     flying: bool,
-    /// Ticks are remembered and not yet given to anybody.
+    /// Ticks are stored but not yet sent to any client.
     holding: bool,
 }
 
-/// The meeting point of flight and clients.
+/// Connects the flight with the clients.
 pub(super) struct Hub {
     shared: Mutex<Shared>,
     crowd: AtomicU32,
@@ -85,7 +85,7 @@ impl Hub {
         }
     }
 
-    /// How many clients there are, without waiting for anybody.
+    /// Number of clients, read without a lock.
     pub(super) fn crowd(&self) -> u32 {
         self.crowd.load(Ordering::Relaxed)
     }
@@ -94,7 +94,7 @@ impl Hub {
         self.shared.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Takes a client in; `None` if there are too many.
+    /// Adds a client; `None` if there are already [`MOST_CLIENTS`].
     pub(super) fn join(&self) -> Option<Arc<Client>> {
         let mut shared = self.shared();
         if shared.clients.len() >= MOST_CLIENTS {
@@ -117,7 +117,7 @@ impl Hub {
         Some(client)
     }
 
-    /// Lets a client go.
+    /// Removes a client.
     pub(super) fn leave(&self, id: u64) {
         let mut shared = self.shared();
         shared.clients.remove(&id);
@@ -125,22 +125,22 @@ impl Hub {
         self.crowd.store(shared.clients.len() as u32, Ordering::Relaxed);
     }
 
-    /// What is published now.
+    /// The description of the flight in its present state.
     pub(super) fn published(&self) -> Published {
         self.shared().published.clone()
     }
 
-    /// The flight thread runs.
+    /// True while the flight thread runs.
     pub(super) fn is_flying(&self) -> bool {
         self.shared().flying
     }
 
-    /// The flight thread ended.
+    /// Notes that the flight thread ended.
     pub(super) fn landed(&self) {
         self.shared().flying = false;
     }
 
-    /// Whether ticks are flown.
+    /// Phase of the flight.
     pub(super) fn phase(&self) -> FlightPhase {
         self.shared().published.state.phase
     }
@@ -150,7 +150,7 @@ impl Hub {
         self.shared().published.state.t_s
     }
 
-    /// A tick for everybody, also for those who join later.
+    /// Sends a tick to all clients and stores it for clients that join later.
     pub(super) fn tick(&self, tick: &Tick, draw: impl FnOnce() -> (Arc<[f32]>, Arc<Picture>)) {
         let (row, picture) = draw();
         let clients: Vec<Arc<Client>> = {
@@ -169,12 +169,12 @@ impl Hub {
         }
     }
 
-    /// Ticks from here to [`Self::release`] come faster than anybody reads them: they are remembered only.
+    /// From now until [`Self::release`] ticks are only stored: they are flown faster than clients could receive them.
     pub(super) fn hold(&self) {
         self.shared().holding = true;
     }
 
-    /// Gives everybody the ticks that were held back, as the past of what follows.
+    /// Sends the stored ticks to all clients as the past of the following ticks.
     pub(super) fn release(&self) {
         let mut shared = self.shared();
         shared.holding = false;
@@ -184,7 +184,7 @@ impl Hub {
         }
     }
 
-    /// Changes what is published and tells everybody; a client that lets its messages pile up is sent everything anew.
+    /// Changes the description and sends the change to all clients. A client whose outbox overflows receives the whole description instead.
     pub(super) fn publish(&self, change: impl FnOnce(&mut Published) -> Vec<ServerMessage>) {
         let mut shared = self.shared();
         let messages: Vec<Arc<SharedMessage>> = change(&mut shared.published)
@@ -201,7 +201,7 @@ impl Hub {
         }
     }
 
-    /// Publishes a flight that starts anew.
+    /// Publishes a restarted flight.
     pub(super) fn restart(&self, published: Published) {
         let mut shared = self.shared();
         shared.published = published;
@@ -222,7 +222,7 @@ impl Hub {
         }
     }
 
-    /// A word to one client, or to everybody.
+    /// Sends a notice to one client, or to all.
     pub(super) fn notice(&self, client: Option<u64>, level: NoticeLevel, text: &str) {
         let shared = self.shared();
         for listener in

@@ -1,4 +1,4 @@
-//! What a mirrored flight is for the server: the recording in shadow, a stand-in to draw, and what is refused.
+//! A mirrored flight in the server: the recording in shadow, a stand-in to draw, and the messages that are refused.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -10,33 +10,33 @@ use twin_foreign::shadow::{GHOST_TICKS, PREDICTOR};
 use twin_foreign::{Flyer, Light, Shadow, Twin};
 use twin_foreign::{Live, OpenedFlight};
 
-/// A seek flies the shadow from so many ticks before: the adapter forgets within a second, and the charts have a past.
+/// Number of ticks that a seek flies before its target: the adapter forgets within a second, and the charts show a past.
 const WARM_UP_TICKS: usize = 1000;
 
-/// A flight that still goes on is played so far behind its newest tick, which come a few at a time.
+/// Number of ticks by which playback stays behind the newest tick of a live flight, because new ticks arrive a few at a time.
 const BEHIND_TICKS: usize = 6;
 
-/// Groups of channels that nobody acts in: a recorded vehicle has its own controller.
+/// Groups of channels without data in a mirrored flight: the recorded vehicle flew its own controller.
 pub(super) const NOT_IN_FORCE: [&str; 4] = ["robust", "actuators", "gripper", "world"];
 
-/// A recording that is played.
+/// A recording that the server plays.
 pub(super) struct Mirrored {
-    /// What clients are told.
+    /// Description for clients.
     pub info: MirrorInfo,
-    /// The flight.
+    /// The recording in shadow.
     pub shadow: Shadow,
-    /// The twin that flies beside it.
+    /// Flies the twin beside the recording.
     flyer: Flyer,
     /// Name of the file.
     pub name: String,
     /// The file.
     pub path: PathBuf,
-    /// Where it comes from, if it still goes on, and what it was when it was opened.
+    /// The live stream, if the flight still goes on, and its generation when it was opened.
     live: Option<(Arc<Live>, u64)>,
 }
 
 impl Mirrored {
-    /// What is kept of an opened recording.
+    /// The mirror of an opened recording.
     pub(super) fn new(opened: &OpenedFlight, live: Option<Arc<Live>>) -> Self {
         let live = live.map(|live| {
             let generation = live.generation();
@@ -79,7 +79,7 @@ impl Mirrored {
         Self { info, shadow, flyer, name: opened.name(), path: opened.path.clone(), live }
     }
 
-    /// The stream anew, if there is more to know of it.
+    /// The mirror of the newly opened stream if its generation changed since; otherwise `None`.
     pub(super) fn renewed(&self) -> Option<Self> {
         let (live, generation) = self.live.as_ref()?;
         if live.generation() == *generation {
@@ -88,24 +88,24 @@ impl Mirrored {
         Some(Self::new(&live.opened()?, Some(Arc::clone(live))))
     }
 
-    /// It still goes on.
+    /// True if it mirrors a live stream.
     pub(super) fn is_live(&self) -> bool {
         self.live.is_some()
     }
 
-    /// It should go on, and nothing comes.
+    /// True if it mirrors a live stream that sends nothing.
     pub(super) fn is_lost(&self) -> bool {
         self.live.as_ref().is_some_and(|(live, _)| !live.is_up())
     }
 
-    /// What happened to the stream since the last call, a sentence each.
+    /// One sentence for each event of the stream since the last call.
     pub(super) fn news(&self) -> Vec<String> {
         self.live.as_ref().map_or_else(Vec::new, |(live, _)| live.news())
     }
 
-    /// How far the twin is from the flight at `tick`, having started half a second before.
+    /// Error of the twin near `tick`, half a second after its start.
     pub(super) fn beside(&self, tick: usize) -> TwinInfo {
-        // A little earlier, so that nothing after the tick is needed: of a stream there is nothing yet.
+        // The twin starts earlier by the ticks that its delayed commands need, because a live stream has no data after `tick`.
         let start = tick.checked_sub(self.flyer.reach(HORIZONS[1]));
         let misses = start.and_then(|start| self.flyer.half_second(start));
         let axis = |(row, miss): (&&str, &twin_foreign::PredictionError)| {
@@ -124,15 +124,15 @@ impl Mirrored {
         }
     }
 
-    /// The tick at `t_s` of the recording, inside it.
+    /// The tick at `t_s` of the recording, limited to its length.
     pub(super) fn tick_at(&self, t_s: f64) -> usize {
         let behind = if self.is_live() { BEHIND_TICKS } else { 0 };
         let last = self.shadow.ticks().saturating_sub(1 + behind);
         ((t_s / TICK_S).round().max(0.0) as usize).min(last)
     }
 
-    /// The tick to start at for a look at `t_s`, and how many ticks are flown before it is seen: one at least, so that there
-    /// is something to see.
+    /// The tick at which a seek to `t_s` starts, and the number of ticks to fly before the target is shown. At least one tick is flown, so
+    /// that there is a picture.
     pub(super) fn run_up(&self, t_s: f64) -> (usize, usize) {
         let target = self.tick_at(t_s);
         let first = target.saturating_sub(WARM_UP_TICKS);
@@ -140,7 +140,7 @@ impl Mirrored {
     }
 }
 
-/// Why `message` makes no sense in a mirrored flight, or in one that is none.
+/// Why `message` is refused in a mirrored (`mirrored`) or simulated flight; `None` if it is allowed.
 pub(super) fn refusal(message: &ClientMessage, mirrored: bool) -> Option<&'static str> {
     match message {
         ClientMessage::Seek { .. } if !mirrored => Some(
@@ -164,7 +164,7 @@ pub(super) fn refusal(message: &ClientMessage, mirrored: bool) -> Option<&'stati
     }
 }
 
-/// Gains of the adapter: they change what is predicted, and nothing else.
+/// True for gains of the adapter: they change the prediction only.
 pub(super) fn acts_in_shadow(name: &str) -> bool {
     let parameters = twin_core::tuning::Tuning::parameters();
     // An unknown name is refused with the list of names instead.

@@ -1,4 +1,4 @@
-//! Serving a recording: from the options to the flight that plays it.
+//! Serves a recording: from the options to the flight that plays it.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -12,21 +12,21 @@ use crate::server::running::{Running, watch};
 use crate::server::{ServerError, launch};
 use twin_foreign::{Live, OpenedFlight};
 
-/// Which recording to serve.
+/// Options for serving a recording.
 pub struct MirrorOptions {
     /// The recording.
     pub opened: OpenedFlight,
-    /// Where it comes from, if it still goes on.
+    /// The live stream, if the flight still goes on.
     pub live: Option<Live>,
-    /// Where to listen: a loopback name or address.
+    /// Loopback name or address to listen on.
     pub host: String,
-    /// Where to listen; 0 takes any free port.
+    /// Port to listen on; 0 takes any free one.
     pub port: u16,
-    /// Seconds of the recording per second; `None` is as fast as the machine can.
+    /// Seconds of the recording per second; `None` plays as fast as the machine can.
     pub speed: Option<f64>,
-    /// Where to start, s.
+    /// Start time in the recording, s.
     pub start_s: f64,
-    /// Wait for an operator.
+    /// Pause before the first tick until an operator resumes.
     pub start_paused: bool,
     /// Folder with the stock viewers, as `twin viewers fetch` leaves it; `None` if there is none.
     pub viewer_dir: Option<PathBuf>,
@@ -37,7 +37,7 @@ pub struct MirrorOptions {
 /// Serves a recording until Ctrl+C.
 ///
 /// # Errors
-/// [`ServerError`] if it cannot start.
+/// [`ServerError`] if the server cannot start.
 pub fn serve_mirror(options: MirrorOptions) -> Result<(), ServerError> {
     watch(spawn_mirror(options)?)
 }
@@ -45,7 +45,7 @@ pub fn serve_mirror(options: MirrorOptions) -> Result<(), ServerError> {
 /// Serves a recording in the background.
 ///
 /// # Errors
-/// [`ServerError`] if it cannot start.
+/// [`ServerError`] if the server cannot start.
 pub fn spawn_mirror(options: MirrorOptions) -> Result<Running, ServerError> {
     let mirrored = Arc::new(Mirrored::new(&options.opened, options.live.map(Arc::new)));
     let tuning = *mirrored.shadow.tuning();
@@ -56,7 +56,7 @@ pub fn spawn_mirror(options: MirrorOptions) -> Result<Running, ServerError> {
         start_paused: options.start_paused,
         flight_recorder: FlightRecorder::new(None),
     };
-    // A recording has no vehicle of ours, and so no files of one; of its joints it says the angles.
+    // A recording contains no model files of its vehicle, only the angles of its joints.
     let foxglove = options.foxglove_port.map(|port| Beside {
         port,
         vehicles: BTreeMap::new(),

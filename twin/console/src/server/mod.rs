@@ -1,4 +1,4 @@
-//! The browser's side: one thread flies in real time, everybody watches, operators turn gains.
+//! The web server: one thread flies in real time, every client watches, operators change gains.
 //!
 //! In: a [`Scenario`]. Out: `/` (console), `/ws` (see [`protocol`] and [`telemetry`]), `/meshcat/` and `/viser` (the stock
 //! viewers, see [`viewers`]), `/api/health`, `/api/state`, `/api/gains`; on a port of its own a server for Foxglove. The flight thread
@@ -63,22 +63,22 @@ use twin_core::tuning::Tuning;
 use twin_record::RecordingError;
 use twin_scenario::{BuildError, Preset, Scenario};
 
-/// Requests that may wait for the flight.
+/// Largest number of requests that may wait for the flight.
 const MOST_REQUESTS: usize = 1024;
 
-/// What to serve.
+/// Options for serving a flight.
 pub struct ServeOptions {
-    /// First flight.
+    /// Scenario of the first flight.
     pub scenario: Scenario,
     /// Scenarios that a restart may name.
     pub catalogue: Vec<Scenario>,
-    /// Where to listen: a loopback name or address.
+    /// Loopback name or address to listen on.
     pub host: String,
-    /// Where to listen; 0 takes any free port.
+    /// Port to listen on; 0 takes any free one.
     pub port: u16,
-    /// Simulated seconds per second; `None` is as fast as the machine can.
+    /// Simulated seconds per second; `None` flies as fast as the machine can.
     pub speed: Option<f64>,
-    /// Wait for an operator.
+    /// Pause before the first tick until an operator resumes.
     pub start_paused: bool,
     /// MCAP file of the flight; those of restarts are numbered.
     pub record: Option<PathBuf>,
@@ -91,15 +91,15 @@ pub struct ServeOptions {
 /// Why a flight cannot be served.
 #[derive(Debug, thiserror::Error)]
 pub enum ServerError {
-    /// The host is no name or address of this machine's loopback.
+    /// The host is neither a name nor an address of this machine's loopback.
     #[error(
         "host {found:?} refused: anybody who reaches the port can fly; allowed: localhost, 127.0.0.1, ::1; use an ssh tunnel to watch from another machine"
     )]
     BeyondLoopback {
-        /// What was asked for.
+        /// Host that was given.
         found: String,
     },
-    /// Somebody else listens there.
+    /// Another program listens on the address.
     #[error(
         "port {port} on {address} is in use, perhaps by another twin; choose another with --port, or 0 for any free one"
     )]
@@ -109,12 +109,12 @@ pub enum ServerError {
         /// The port.
         port: u16,
     },
-    /// The system does not let us listen.
+    /// The operating system refuses to listen on the address.
     #[error("cannot listen on {address}: {source}; choose another port with --port")]
     Listen {
-        /// Where.
+        /// Address that was refused.
         address: SocketAddr,
-        /// What the system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// The server for Foxglove cannot start.
@@ -122,7 +122,7 @@ pub enum ServerError {
     Foxglove {
         /// The port.
         port: u16,
-        /// What stands in its way.
+        /// Reason.
         why: String,
     },
     /// The flight cannot be built.
@@ -131,7 +131,7 @@ pub enum ServerError {
     /// The recording cannot be created.
     #[error(transparent)]
     Recording(#[from] RecordingError),
-    /// The system gives us no thread or no signals.
+    /// The operating system refuses a thread or signals.
     #[error("cannot start the server: {0}")]
     System(#[from] std::io::Error),
     /// The flight thread ended before it published anything.
@@ -139,13 +139,13 @@ pub enum ServerError {
     NoFlight,
 }
 
-/// What every connection shares.
+/// State that all connections share.
 struct App {
     hub: Arc<Hub>,
     scenarios: Arc<Vec<ScenarioInfo>>,
-    /// Values that are in range, to try a change on.
+    /// Values inside their ranges, on which a change is tried.
     tuning: Tuning,
-    /// A recording is mirrored.
+    /// True if a recording is mirrored.
     mirrored: bool,
     requests: SyncSender<Request>,
     viewer_dir: Option<PathBuf>,
@@ -162,7 +162,7 @@ impl App {
 /// Serves a flight until Ctrl+C.
 ///
 /// # Errors
-/// [`ServerError`] if it cannot start.
+/// [`ServerError`] if the server cannot start.
 pub fn serve(options: ServeOptions) -> Result<(), ServerError> {
     running::watch(spawn(options)?)
 }
@@ -170,7 +170,7 @@ pub fn serve(options: ServeOptions) -> Result<(), ServerError> {
 /// Serves a flight in the background.
 ///
 /// # Errors
-/// [`ServerError`] if it cannot start.
+/// [`ServerError`] if the server cannot start.
 pub fn spawn(options: ServeOptions) -> Result<Running, ServerError> {
     let known = std::iter::once(&options.scenario).chain(&options.catalogue);
     let vehicles = known
@@ -197,7 +197,7 @@ pub fn spawn(options: ServeOptions) -> Result<Running, ServerError> {
     launch(orders, &tuning, false, place)
 }
 
-/// Listens, starts the flight, serves it. `tuning` is in range, to try a change on.
+/// Listens, starts the flight and serves it. Changes of gains are tried on `tuning`, whose values are in range.
 fn launch(
     orders: PilotOptions,
     tuning: &Tuning,
@@ -224,7 +224,7 @@ fn launch(
         started: pace::now(),
     });
     let router = http::router(Arc::clone(&app));
-    // Or a frame waits for the acknowledgement of the one before, which the other side may hold back for 40 ms.
+    // Disables Nagle's algorithm: otherwise a frame waits for the acknowledgement of the previous one, which the peer may delay by 40 ms.
     let listener = listener.tap_io(|stream| {
         if let Err(error) = stream.set_nodelay(true) {
             tracing::debug!("a connection keeps small frames back: {error}");
@@ -233,7 +233,7 @@ fn launch(
     let (shutdown, asked) = oneshot::channel::<()>();
     runtime.spawn(async move {
         let stopped = async {
-            // A sender that is gone asks for the same as one that speaks.
+            // A dropped sender means shutdown too.
             let _ = asked.await;
         };
         if let Err(error) = axum::serve(listener, router).with_graceful_shutdown(stopped).await {
@@ -255,7 +255,7 @@ fn launch(
     Ok(running)
 }
 
-/// Starts the flight's thread. The flight is built there too, so nothing in it has to move between threads.
+/// Starts the flight's thread. The thread also builds the flight, so no part of the flight has to move between threads.
 fn take_off(
     orders: PilotOptions,
     inbox: Receiver<Request>,

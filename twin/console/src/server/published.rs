@@ -1,4 +1,4 @@
-//! The description of the flight that every new client gets.
+//! The description of the flight, which every new client receives.
 
 use std::collections::VecDeque;
 use std::sync::Arc;

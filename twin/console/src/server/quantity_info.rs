@@ -1,4 +1,4 @@
-//! What a client may set in the world, for its sliders.
+//! Quantities of the world that a client may set, with the data for their sliders.
 
 use serde::Serialize;
 use ts_rs::TS;
@@ -24,7 +24,7 @@ pub struct QuantityInfo {
     pub messages: Vec<String>,
 }
 
-/// Every such number but the gains, which have a list of their own.
+/// Every quantity that messages of a client carry, except the gains, which have a list of their own.
 pub(super) fn list() -> Vec<QuantityInfo> {
     let sent = quantity::all().filter(|quantity| !quantity.messages.is_empty());
     sent.map(|quantity| QuantityInfo {

@@ -1,4 +1,4 @@
-//! One served flight with all that belongs to it: a restart replaces it as a whole.
+//! One served flight with its judge, gains and pictures; a restart replaces it as a whole.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -20,37 +20,37 @@ use twin_foreign::stand_in;
 use twin_record::scene::Scene;
 use twin_scenario::{BuildError, Judge, Scenario};
 
-/// The covariance is decomposed every so many ticks, and at a reset.
+/// Number of ticks between two decompositions of the covariance; a reset also triggers one.
 const SPECTRUM_TICKS: u64 = 10;
 
-/// The phase while nothing comes from a stream.
+/// Phase that is shown while a live stream sends nothing.
 const STREAM_LOST: &str = "stream lost";
 
 /// One flight.
 pub(super) struct ServedFlight {
-    /// What is flown.
+    /// Scenario that is flown.
     pub scenario: Scenario,
     /// The flight.
     pub flight: Flight,
-    /// Who ends it.
+    /// Decides when the flight ends and with which verdict.
     pub judge: Judge,
-    /// Its gains.
+    /// Gains and their presets.
     pub presets: GainPresets,
-    /// What to draw.
+    /// Bodies to draw.
     pub scene: Arc<Scene>,
-    /// What to plot.
+    /// Channels to plot.
     pub channels: Channels,
     /// The recording, if one is mirrored.
     pub mirrored: Option<Arc<Mirrored>>,
-    /// Payload, wind and effects.
+    /// Payload, wind and effects in force.
     pub world: World,
     /// Eigenvalues of the adapter's covariance, largest first.
     spectrum: Vec<f64>,
-    /// A push lasts until this tick.
+    /// Number of the tick at which the last push ends.
     push_ends: u64,
     /// Number of the next tick.
     pub next_tick: u64,
-    /// A tick was flown.
+    /// True once a tick was flown.
     has_flown: bool,
     /// Simulated time of the last tick, s.
     pub t_s: f64,
@@ -91,10 +91,10 @@ impl ServedFlight {
         })
     }
 
-    /// A recording in shadow from tick `first` on, under `tuning`.
+    /// The shadow flight of a recording from tick `first` on, with the values `tuning`.
     ///
     /// # Errors
-    /// [`BuildError`] if there is no such tick.
+    /// [`BuildError`] if the recording has no such tick.
     pub(super) fn mirror(
         mirrored: &Arc<Mirrored>,
         first: usize,
@@ -125,7 +125,7 @@ impl ServedFlight {
         })
     }
 
-    /// What clients are told before its first tick.
+    /// The description for clients before the first tick.
     pub(super) fn published(
         &self,
         scenarios: Arc<Vec<ScenarioInfo>>,
@@ -166,14 +166,14 @@ impl ServedFlight {
         }
     }
 
-    /// Gains that can be changed: beside a recording those of the adapter alone.
+    /// Gains that a client can change; in a mirrored flight those of the adapter only.
     pub(super) fn gains(&self) -> Vec<GainInfo> {
         let mut gains = self.presets.list(self.flight.tuning());
         gains.retain(|gain| self.mirrored.is_none() || mirrored::acts_in_shadow(&gain.name));
         gains
     }
 
-    /// How the flight stands.
+    /// Writes the state of the flight into `state`.
     pub(super) fn describe(&self, state: &mut StateInfo, speed: Option<f64>, paused: bool) {
         let (verdict, reason) = self.verdict.clone().unzip();
         state.phase = match (&verdict, paused) {
@@ -190,7 +190,7 @@ impl ServedFlight {
         if self.mirrored.as_ref().is_some_and(|mirrored| mirrored.is_lost()) {
             STREAM_LOST.clone_into(&mut state.task_phase);
         }
-        // Before its first tick there is nothing to be beside of; of the tick before it nobody asked.
+        // Before the first tick after a start or a seek there is no tick to compare the twin with.
         let last = self.next_tick.checked_sub(1).filter(|_| self.has_flown);
         let beside = |tick| Some(Box::new(self.mirrored.as_ref()?.beside(tick as usize)));
         state.twin = last.and_then(beside);
@@ -199,7 +199,7 @@ impl ServedFlight {
         self.world.describe(state);
     }
 
-    /// The flight has flown `tick`.
+    /// Updates the state after the flight has flown `tick`.
     pub(super) fn follow(&mut self, tick: &Tick) {
         self.next_tick = tick.index + 1;
         self.has_flown = true;
@@ -210,14 +210,14 @@ impl ServedFlight {
         }
     }
 
-    /// What of a recording could not be read since the last call.
+    /// One sentence for each part of the recording that could not be read since the last call.
     pub(super) fn unreadable(&self) -> Vec<String> {
         self.mirrored
             .as_ref()
             .map_or_else(Vec::new, |mirrored| mirrored.shadow.playback().troubles())
     }
 
-    /// Gain changes that have come to rest become events of the next tick.
+    /// Notes gain changes whose sliders are at rest as events of the next tick.
     pub(super) fn settle_gains(&mut self) {
         self.presets.settle(&mut self.flight, self.next_tick);
     }
@@ -229,7 +229,7 @@ impl ServedFlight {
         (self.channels.row(&sample), Arc::new(picture))
     }
 
-    /// Changes the world. A push that is repeated while it lasts is one event.
+    /// Changes the world. A push that is repeated before it ends counts as one event.
     pub(super) fn disturb(&mut self, disturbance: &Disturbance) {
         self.world.change(disturbance);
         if let Disturbance::Push { duration_s, .. } = disturbance {
@@ -243,7 +243,7 @@ impl ServedFlight {
     }
 }
 
-/// The word a unit enum is serialised as.
+/// The word that a unit variant serialises to.
 pub(super) fn word(value: &impl serde::Serialize) -> String {
     let text = serde_json::to_value(value).ok().and_then(|value| value.as_str().map(str::to_owned));
     text.unwrap_or_else(|| "unknown".to_owned())

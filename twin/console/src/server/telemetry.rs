@@ -21,27 +21,27 @@ pub const MAGIC: u8 = 0xC1;
 /// Bytes before the first row.
 pub const HEADER_BYTES: usize = 44;
 
-/// Contacts that are shown at most.
+/// Largest number of contacts in a frame.
 const MOST_CONTACTS: usize = 256;
 
-/// What is drawn of the newest tick only.
+/// The picture of a tick; a frame contains that of its newest tick only.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
     /// Simulated time, s.
     pub t_s: f64,
     /// Poses of the moving bodies in scene order; NaN where unknown.
     pub poses: Vec<[f32; 7]>,
-    /// Pose of the vehicle's root at the reference.
+    /// Pose of the vehicle's root on the reference.
     pub ghost: [f32; 7],
-    /// Points in m and forces in N in the world.
+    /// Contact points in m and their forces in N, in the world.
     pub contacts: Vec<[f32; 6]>,
     /// Eigenvalues of the adapter's covariance, largest first.
     pub spectrum: Vec<f32>,
 }
 
 impl Picture {
-    /// What there is to draw at `tick`, with the eigenvalues of the adapter's covariance. Nothing is drawn of a vehicle whose
-    /// position or attitude nobody knows.
+    /// The picture of `tick`, with the eigenvalues of the adapter's covariance. The vehicle is left out if its position or attitude is
+    /// unknown.
     pub fn new(scene: &Scene, tick: &Tick, spectrum: &[f64]) -> Self {
         let is_placed = |chi: &KnownCoords| chi.known()[..6] == [true; 6];
         let is_seen = tick.truth.is_some() || is_placed(&tick.measurement.chi);
@@ -72,15 +72,15 @@ impl Picture {
 /// Rows of consecutive ticks with the newest picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Telemetry {
-    /// Which `hello` it belongs to.
+    /// Schema of the rows, given by a `hello`.
     pub schema_id: u16,
     /// Tick of the first row.
     pub first_tick: u64,
     /// One row per tick.
     pub rows: Vec<Arc<[f32]>>,
-    /// Ticks this client missed just before the first row.
+    /// Number of ticks just before the first row that this client missed.
     pub gap: u32,
-    /// First frame after a restart.
+    /// True in the first frame after a restart.
     pub reset: bool,
     /// Newest picture.
     pub picture: Arc<Picture>,

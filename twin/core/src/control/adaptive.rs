@@ -1,4 +1,4 @@
-//! The paper's residual-compensated adaptive law on the translation rows, and the set-point of the inner rows.
+//! The paper's residual-compensated adaptive law for x y z, and the set-point of the inner controller.
 //!
 //! In: measurement, reference, adapted residual. Out: [`Setpoint`]. State: adaptive gain `sigma_hat`, compensation of `r_hat`.
 
@@ -50,7 +50,7 @@ impl Controller for Adaptive {
             gains,
             input.dt_s,
         );
-        // eq:control_input, rows x y z; the other rows run at 500 Hz in `rows`.
+        // eq:control_input for x y z; the inner controller computes the other coordinates at 500 Hz.
         let tau = gains
             .nominal_inertia
             .component_mul(&(reference.chi_des_ddot - gains.slope.component_mul(&e_dot)))
@@ -65,7 +65,7 @@ impl Controller for Adaptive {
     }
 }
 
-/// Tracking error and its rate, attitude rows against the command filter.
+/// Tracking error and its rate; roll and pitch are compared with the command filter.
 pub(super) fn errors(input: &Input<'_>) -> (Coords, Coords) {
     let (eta_des, eta_des_dot) = input.desired_attitude;
     let mut chi_des = *input.reference.chi_des;
@@ -78,7 +78,7 @@ pub(super) fn errors(input: &Input<'_>) -> (Coords, Coords) {
     (tracking_error(&m.chi, &chi_des), *m.chi_dot - chi_des_dot)
 }
 
-/// The set-point that carries `force` and the references of the inner rows.
+/// The set-point with the desired `force` and the references of the inner controller.
 pub(super) fn setpoint(
     force_in_world_n: Vector3<f64>,
     input: &Input<'_>,

@@ -1,9 +1,9 @@
-//! What happens to `r_hat` between the adapter and the control law: window or hold in contact, clips, low-pass.
+//! Limits `r_hat` between the adapter and the control law: bounds or freezes it in contact, clips it and low-passes it.
 //!
-//! While the translation rows are held the adapter learns nothing, so attitude and joint rows follow the measured residual (time-delay
-//! control): held too, they leave a tilt that pushes the opened hand into the cube.
+//! In contact the adapter is frozen and `r_hat` of x y z is constant. Attitude and joints then follow the measured residual (time-delay
+//! control): a constant `r_hat` would leave a tilt there that pushes the opened hand into the cube.
 //!
-//! State: the low-pass, and the value at which a window or a hold began.
+//! State: the low-pass, and the value of `r_hat` when bounding or freezing began.
 
 use crate::filter::LowPass;
 use crate::notation::{Coords, N};
@@ -11,7 +11,7 @@ use crate::tick::{Adaptation, Reference};
 
 use super::Gains;
 
-/// The residual estimate on its way to the control law.
+/// Limits the residual estimate before the control law uses it.
 #[derive(Clone, Debug, Default)]
 pub struct Compensation {
     low_pass: LowPass<N>,
@@ -20,7 +20,7 @@ pub struct Compensation {
 }
 
 impl Compensation {
-    /// `r_hat` in force for this tick.
+    /// `r_hat` in force for this tick, N and N m, from the adapted `r_hat` and the measured `residual`.
     pub fn step(
         &mut self,
         r_hat: &Coords,
@@ -48,7 +48,7 @@ impl Compensation {
             if gains.clips { gains.safe_set.clip_residual(&input, nominal_gravity) } else { input };
         self.output = if gains.residual_filter_on {
             if let Some(known) = &reference.release {
-                // A known jump passes the low-pass at once.
+                // The residual after a release is known, so the low-pass jumps to it.
                 self.low_pass.jump(&hold_translation(known, &self.output));
             }
             self.low_pass.step(&input, gains.residual_bandwidth_hz, dt_s)
@@ -60,7 +60,7 @@ impl Compensation {
     }
 }
 
-/// Translation rows of `held`, all others of `live`.
+/// x y z from `held`, all other coordinates from `live`.
 fn hold_translation(held: &Coords, live: &Coords) -> Coords {
     Coords::from_fn(|row, _| if row < 3 { held[row] } else { live[row] })
 }

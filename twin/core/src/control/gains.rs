@@ -46,14 +46,14 @@ pub struct Gains {
     pub residual_bandwidth_hz: f64,
     /// `r_hat` and force are clipped to the safe set around the nominal gravity.
     pub clips: bool,
-    /// That set.
+    /// The safe set of these clips.
     pub safe_set: SafeSet,
     /// Law on attitude.
     pub inner_law: InnerLaw,
 }
 
 impl Gains {
-    /// The part the inner rows need.
+    /// The gains that the inner controller needs.
     pub fn rows(&self) -> InnerGains {
         InnerGains {
             law: self.inner_law,
@@ -102,8 +102,8 @@ impl Gains {
     }
 }
 
-/// [`Gains`] as recordings hold them. The older ones have no switch of the low-pass, which was off from 50 Hz on, and were flown
-/// with the safe set that is the default.
+/// [`Gains`] as recordings store them. Older recordings do not contain the switch of the low-pass, which was off from 50 Hz on, and used
+/// the default safe set.
 #[derive(Deserialize)]
 struct Recorded {
     slope: Coords,

@@ -1,4 +1,4 @@
-//! The inner rows: attitude and joints at 500 Hz, then rotor allocation. Pure in its inputs and its own command filter.
+//! The inner controller: attitude and joints at 500 Hz, then rotor allocation. It depends on its inputs and its command filter only.
 
 use nalgebra::{Vector2, Vector3};
 
@@ -14,7 +14,7 @@ const RATE_LOOP_P: f64 = 5.0;
 /// Crossover of the PX4-like rate loop, rad/s.
 const RATE_LOOP_RAD_S: f64 = 15.0;
 
-/// The inner loop with its command filter.
+/// The inner controller with its command filter.
 #[derive(Clone, Debug)]
 pub struct InnerController {
     filter: CommandFilter,
@@ -26,8 +26,8 @@ pub struct InnerController {
 }
 
 impl InnerController {
-    /// Rows for a vehicle: effective inertia about roll, pitch, yaw in kg m², torque limit of each joint in N m, largest desired
-    /// roll and pitch in rad, period in s.
+    /// An inner controller for a vehicle: effective inertia about roll, pitch, yaw in kg m², torque limit of each joint in N m, largest
+    /// desired roll and pitch in rad, period in s.
     pub fn new(
         allocation: Allocation,
         attitude_inertia: Vector3<f64>,
@@ -50,7 +50,7 @@ impl InnerController {
         (self.filter.eta, self.filter.eta_dot)
     }
 
-    /// `eq:control_input`, rows phi theta psi.
+    /// `eq:control_input` for phi theta psi.
     fn attitude_rows(
         &self,
         setpoint: &Setpoint,
@@ -69,7 +69,7 @@ impl InnerController {
         })
     }
 
-    /// Rate set-point from the attitude error, then a proportional rate loop with the residual as feed-forward.
+    /// Rate set-point from the attitude error, then a proportional rate controller with the residual as feed-forward.
     fn rate_loop(
         &self,
         setpoint: &Setpoint,
@@ -84,7 +84,7 @@ impl InnerController {
         })
     }
 
-    /// `eq:control_input`, rows q1 q2.
+    /// `eq:control_input` for q1 q2.
     fn joint_rows(&self, setpoint: &Setpoint, state: &InnerState) -> Vector2<f64> {
         let rows = &setpoint.rows;
         let robust = robust_factor(setpoint);

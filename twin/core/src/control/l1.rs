@@ -1,26 +1,26 @@
 //! L1 adaptive control with the piecewise-constant law: the paper's baseline without a model of the residual.
 //!
 //! Source: Wu, Cheng, Zhao, Gahlawat, Ackerman, Lakshmanan, Yang, Yu and Hovakimyan, "`L1Quad`: L1 adaptive augmentation of geometric
-//! control for agile quadrotors with performance guarantees", IEEE T-CST 33(2), 2025. What is compensated there is `sigma = r -
-//! g(chi)` here, and the law beneath is the rows of `eq:control_input` without the robust term.
+//! control for agile quadrotors with performance guarantees", IEEE T-CST 33(2), 2025. The uncertainty `sigma` that the source compensates
+//! is `r - g(chi)` here, and the baseline law is `eq:control_input` without the robust term.
 //!
 //! State predictor `M_bar v_hat' = tau - g - sigma_hat + M_bar A_s (v_hat - v)`, adaptation `sigma_hat = M_bar Phi^-1 exp(A_s T)
 //! (v_hat - v)` with `Phi = A_s^-1 (exp(A_s T) - 1)`, compensation `sigma_hat` behind a first-order low-pass. Even at rest
 //! the part `1 - exp(A_s T)` is never compensated: 10 % at `A_s` = -10 1/s and 100 Hz.
 //!
-//! State: the predictor's error, the low-pass, the law beneath.
+//! State: the predictor's error, the low-pass, the baseline law.
 
 use super::{Adaptive, Controller, Gains, Input};
 use crate::elementary::exp;
 use crate::notation::{Coords, N};
 use crate::tick::{Adaptation, ControlState, Setpoint};
 
-/// What decides how an L1 controller flies.
+/// Settings of an L1 controller.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct L1Settings {
-    /// `-A_s`, 1/s: how fast the predictor forgets, in every row.
+    /// `-A_s`, 1/s: rate at which the predictor forgets, in every coordinate.
     pub pole_per_s: f64,
-    /// Corner of the low-pass of the rows x y z, then of the others, rad/s.
+    /// Corner of the low-pass for x y z, then for the other coordinates, rad/s.
     pub cutoff_rad_s: [f64; 2],
 }
 
@@ -29,14 +29,14 @@ pub struct L1Settings {
 pub struct L1 {
     settings: L1Settings,
     beneath: Adaptive,
-    /// Measured rate at the last tick, and by how much the predicted one was off.
+    /// Measured rate at the last tick, and the error of the predicted rate.
     start: Option<(Coords, Coords)>,
     sigma: Coords,
     compensated: Coords,
 }
 
 impl L1 {
-    /// With nothing estimated yet.
+    /// A controller that has not estimated anything yet.
     pub fn new(settings: L1Settings) -> Self {
         let zero = Coords::zeros();
         Self { settings, beneath: Adaptive::default(), start: None, sigma: zero, compensated: zero }
@@ -48,7 +48,7 @@ impl L1 {
         let pole = -self.settings.pole_per_s;
         let forgotten = exp(pole * dt_s);
         let phi = (forgotten - 1.0) / pole;
-        // The predictor over the period that ended now, under the force applied in it; exact for a constant acceleration.
+        // The state predictor over the period that just ended, under the force applied in it; exact for a constant acceleration.
         let force = *measured.tau_applied - input.nominal_gravity - self.sigma;
         let error = self.start.map_or_else(Coords::zeros, |(before, off)| {
             let expected = force.component_div(&gains.nominal_inertia) * phi;
@@ -68,7 +68,7 @@ impl L1 {
 impl Controller for L1 {
     fn control(&mut self, input: &Input<'_>, gains: &Gains) -> (Setpoint, ControlState) {
         if input.reference.adaptation == Adaptation::Held {
-            // In contact the error is not one of the model.
+            // In contact the predictor's error is not an error of the model.
             self.start = None;
         } else {
             self.estimate(input, gains);
@@ -79,7 +79,7 @@ impl Controller for L1 {
             }
         }
         let r_hat = input.nominal_gravity + self.compensated;
-        // Its own low-pass is the only one, and there is no robust term beside it.
+        // The low-pass of L1 is the only one, and the baseline law has no robust term.
         let gains = Gains { robust_gain_cap: 0.0, residual_filter_on: false, ..*gains };
         self.beneath.control(&Input { r_hat: &r_hat, ..*input }, &gains)
     }
@@ -92,7 +92,7 @@ mod tests {
     use crate::tick::{GripperCommand, GripperReading, Measurement, Reference};
     use nalgebra::Vector3;
 
-    /// `sigma_hat` after `seconds` of a constant unmodelled force of 2 N on every row at rest.
+    /// `sigma_hat` after `seconds` of a constant unmodelled force of 2 N in every coordinate at rest.
     fn settled(settings: L1Settings, seconds: f64) -> Coords {
         let (zero, force) = (Coords::zeros(), Coords::repeat(2.0));
         let reference = Reference {
@@ -106,7 +106,7 @@ mod tests {
             cruising: false,
             release: None,
         };
-        // At rest the applied force equals what it works against: r = tau.
+        // At rest the applied force equals the residual: r = tau.
         let measurement = Measurement {
             t_s: 0.0,
             chi: zero.into(),

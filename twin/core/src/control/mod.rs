@@ -1,5 +1,5 @@
-//! What makes `tau`: total functions that cannot fail. An outer law makes a [`Setpoint`] at 100 Hz, the inner rows turn it
-//! into rotor thrusts and joint torques at 500 Hz.
+//! Control laws that compute `tau`; they are total functions that cannot fail. An outer law computes a [`Setpoint`] at 100 Hz, and the
+//! inner controller turns it into rotor thrusts and joint torques at 500 Hz.
 
 pub mod gains;
 pub mod compensation;
@@ -30,7 +30,7 @@ pub use safe_set::SafeSet;
 pub struct Input<'a> {
     /// Measurement of this tick; finite (the flight checked it).
     pub measurement: &'a Measurement,
-    /// What to fly.
+    /// Desired motion.
     pub reference: &'a Reference,
     /// Adapted residual estimate, N and N m; finite.
     pub r_hat: &'a Coords,
@@ -38,7 +38,7 @@ pub struct Input<'a> {
     pub residual: &'a Coords,
     /// Gravity force of the vehicle without payload, N and N m.
     pub nominal_gravity: &'a Coords,
-    /// Desired attitude and its rate from the command filter of the inner rows, rad and rad/s.
+    /// Desired attitude and its rate from the command filter of the inner controller, rad and rad/s.
     pub desired_attitude: (Vector3<f64>, Vector3<f64>),
     /// Control period, s.
     pub dt_s: f64,
@@ -95,6 +95,6 @@ pub struct Input<'a> {
 /// assert!((setpoint.force_in_world_n - wanted).norm() < 1e-12);
 /// ```
 pub trait Controller: Send {
-    /// The set-point until the next tick, and what an operator wants to see of how it came about.
+    /// The set-point until the next tick, and the internal values that an operator wants to see.
     fn control(&mut self, input: &Input<'_>, gains: &Gains) -> (Setpoint, ControlState);
 }

@@ -1,4 +1,4 @@
-//! Plain PID: the collector of training data and the honest baseline of every tracking table. It uses no residual estimate.
+//! Plain PID: it collects the training data and is the baseline of every tracking table. It uses no residual estimate.
 //!
 //! State: integrals of position, attitude and joint errors.
 
@@ -12,7 +12,7 @@ const P: [f64; 3] = [9.0, 9.0, 12.0];
 const D: [f64; 3] = [7.0, 7.0, 8.0];
 const I: [f64; 3] = [1.5, 1.5, 3.0];
 
-/// Joint gains: N m/rad and N m s/rad as rows (`Lambda`, `Phi`), and the integral in N m/(rad s).
+/// Joint gains: N m/rad and N m s/rad per joint (`Lambda`, `Phi`), and the integral in N m/(rad s).
 const JOINT_DAMPING: f64 = 0.8;
 const JOINT_SLOPE: f64 = 6.0;
 const JOINT_I: f64 = 6.0;
@@ -46,7 +46,7 @@ impl Controller for Pid {
                 input.reference.chi_des_ddot[axis] - P[axis] * e[axis] - D[axis] * e_dot[axis];
             force[axis] += mass_kg * acceleration;
         }
-        // Attitude and joints: integral terms ride where the residual rides in the adaptive law.
+        // Attitude and joints: the integral takes the place of the residual in the adaptive law.
         let mut trim = self.integral;
         for row in 6..8 {
             trim[row] += input.nominal_gravity[row];

@@ -1,4 +1,4 @@
-//! The safe set around nominal gravity that the compensated residual and the commanded force stay in.
+//! The safe set around nominal gravity in which the compensated residual and the commanded force stay.
 
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -6,25 +6,25 @@ use serde::{Deserialize, Serialize};
 use crate::elementary::hypot;
 use crate::notation::{Coords, GRAVITY_M_S2, N};
 
-/// Limits of what the control law adds to nominal gravity; `controller.limits` of a scenario.
+/// Limits on the terms that the control law adds to nominal gravity; `controller.limits` of a scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SafeSet {
-    /// `r_hat` may not leave nominal gravity by more than this, N and N m.
+    /// Largest distance of `r_hat` from nominal gravity, N and N m.
     pub residual_clip: [f64; N],
-    /// While adaptation is bounded, `r_hat` may not leave its value at the touch by more than this, N and N m.
+    /// Largest distance of `r_hat` from its value at the first contact while adaptation is bounded, N and N m.
     pub residual_window: [f64; N],
     /// Largest horizontal force per mass, m/s².
     pub lateral_m_s2: f64,
     /// Largest desired roll and pitch, rad.
     pub tilt_rad: f64,
-    /// Smallest share of the weight that the vertical force keeps, so that the thrust axis stays defined.
+    /// Smallest vertical force as a share of the weight; it keeps the thrust axis defined.
     pub vertical_share: f64,
 }
 
 impl Default for SafeSet {
-    /// Of the 3 kg vehicle in `urdf/`: a 500 g payload is 5 N, an arm row 2 N m; a finger on the box pushes 2 to 6 N (grasping
-    /// study); 6 m/s² are about 31° of tilt.
+    /// Values for the 3 kg vehicle in `urdf/`: a 500 g payload adds 5 N, and 2 N m at an arm joint; a finger on the box pushes with 2 to 6
+    /// N (grasping study); 6 m/s² correspond to about 31° of tilt.
     fn default() -> Self {
         Self {
             residual_clip: [8.0, 8.0, 8.0, 2.0, 2.0, 0.6, 2.0, 2.0],
@@ -37,12 +37,12 @@ impl Default for SafeSet {
 }
 
 impl SafeSet {
-    /// `r_hat` no farther than the clip from `nominal_gravity`, N and N m.
+    /// `r_hat` within [`SafeSet::residual_clip`] of `nominal_gravity`, N and N m.
     pub fn clip_residual(&self, r_hat: &Coords, nominal_gravity: &Coords) -> Coords {
         around(r_hat, nominal_gravity, &self.residual_clip)
     }
 
-    /// `r_hat` no farther than the window from its value `at_touch`, N and N m.
+    /// `r_hat` within [`SafeSet::residual_window`] of its value `at_touch`, N and N m.
     pub fn bound_residual(&self, r_hat: &Coords, at_touch: &Coords) -> Coords {
         around(r_hat, at_touch, &self.residual_window)
     }

@@ -1,18 +1,18 @@
-//! The numbers that the loop takes for what is unknown: predictors and control laws compute with every row.
+//! The numbers that stand for unknown values in the loop: predictors and control laws need a number in every coordinate.
 //!
-//! None of them is measured, so none of them reaches a tick: estimates, error and sliding variable are unknown there.
-//! Where everything is known each of them is what was measured, bit for bit. State: the coordinates known last.
+//! No stand-in is measured, so none appears in a tick: estimates, error and sliding variable are unknown there. Where everything is known,
+//! the loop uses the measured values bit for bit. State: the last known value of each coordinate.
 
 use crate::notation::{Coords, KnownCoords, KnownMask, known_in_both};
 use crate::tick::{ControlState, Measurement, Reference};
 
-/// What stands in for unknown coordinates.
+/// Replaces unknown coordinates by their last known values.
 #[derive(Clone, Debug)]
 pub(super) struct StandIns {
     last_chi: Coords,
 }
 
-/// A tick as predictors remember it, with a number in every row.
+/// A tick as predictors remember it, with a number in every coordinate.
 pub(super) struct Remembered {
     pub(super) chi_dot: Coords,
     pub(super) tau: Coords,
@@ -20,20 +20,20 @@ pub(super) struct Remembered {
 }
 
 impl StandIns {
-    /// Before anything was known: zero.
+    /// Before a coordinate was known for the first time, zero stands for it.
     pub(super) fn new() -> Self {
         Self { last_chi: Coords::zeros() }
     }
 
-    /// Coordinates for models and predictors: an unknown one stands where it was known last.
+    /// Coordinates for models and predictors: the last known value stands for an unknown one.
     pub(super) fn coordinates(&mut self, chi: &KnownCoords) -> Coords {
         self.last_chi = chi.or(&self.last_chi);
         self.last_chi
     }
 }
 
-/// Rates, force and residual for predictors: an unknown rate is zero, an unknown residual the nominal one, an unknown force the
-/// one that leaves the nominal residual.
+/// Rates, force and residual for predictors. Zero stands for an unknown rate and the nominal residual for an unknown residual; an unknown
+/// force gets the value that gives the nominal residual.
 pub(super) fn remembered(
     measurement: &Measurement,
     residual: &KnownCoords,
@@ -49,9 +49,9 @@ pub(super) fn remembered(
     }
 }
 
-/// Measurement and reference for a control law, which shall see no error in a row that is not both measured and asked for: both
-/// are there what is asked for, else what is measured, else zero. An unknown acceleration is zero, an unknown force the nominal
-/// residual.
+/// Measurement and reference for a control law, which must see no error in a coordinate unless it is both measured and desired. Otherwise
+/// measurement and reference both get the desired value, or the measured value if none is desired, or zero. Zero stands for an unknown
+/// acceleration and the nominal residual for an unknown force.
 pub(super) fn for_control(
     measurement: &Measurement,
     reference: &Reference,
@@ -75,7 +75,7 @@ fn without_error(measured: &KnownCoords, asked: &KnownCoords) -> (KnownCoords, K
     (measured.only(known).or(&place).into(), asked.only(known).or(&place).into())
 }
 
-/// What the control law made of measurement and reference, known where both were.
+/// Error and sliding variable of the control law, known only where measurement and reference both are known.
 pub(super) fn as_known(
     control: ControlState,
     measurement: &Measurement,
@@ -145,7 +145,7 @@ mod tests {
         assert!(measured.chi.known() == [true; N] && asked.chi_des.known() == [true; N]);
         let error = *measured.chi - *asked.chi_des;
         for row in 0..N {
-            // One subtraction of numbers below one.
+            // Tolerance for one subtraction of numbers below one.
             let wanted = if row == 2 || row == 5 { 0.0 } else { 0.6 };
             assert!((error[row] - wanted).abs() < 1e-12, "{row} {error}");
         }

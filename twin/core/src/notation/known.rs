@@ -1,6 +1,6 @@
-//! Values per coordinate of which some may be unknown: known-ness travels with the value through every record of the loop.
+//! Values per coordinate, some of which may be unknown. Every record of the loop carries which of its values are known.
 //!
-//! Files: [`KnownCoords`] alone writes an unknown row as `null` and reads `null` as unknown.
+//! In files only [`KnownCoords`] writes an unknown value as `null` and reads `null` as unknown.
 
 use std::ops::{Deref, Index, IndexMut};
 
@@ -13,9 +13,9 @@ pub type KnownMask = [bool; N];
 
 /// One value per generalised coordinate, each known or unknown.
 ///
-/// It reads as [`Coords`]; an unknown row reads as NaN there, so that it never passes for a number. A stage that needs a
-/// number in every row says with [`KnownCoords::or`] which one it takes. A known row that is not finite is a fault of its
-/// source, not an unknown one.
+/// It dereferences to [`Coords`], in which an unknown value is NaN and so cannot pass for a number. A stage that needs a number in every
+/// coordinate calls [`KnownCoords::or`] with the numbers to use. A known value that is not finite is a fault of its source, not an unknown
+/// value.
 #[derive(Clone, Copy, Debug)]
 pub struct KnownCoords {
     values: Coords,
@@ -23,7 +23,7 @@ pub struct KnownCoords {
 }
 
 impl KnownCoords {
-    /// `None` is an unknown row.
+    /// From one value per coordinate; `None` is unknown.
     pub fn from_rows(rows: &[Option<f64>; N]) -> Self {
         Self {
             values: Coords::from_fn(|row, _| rows[row].unwrap_or(f64::NAN)),
@@ -31,50 +31,50 @@ impl KnownCoords {
         }
     }
 
-    /// Every row is unknown.
+    /// All coordinates unknown.
     pub fn unknown() -> Self {
         Self::from_rows(&[None; N])
     }
 
-    /// The value of `row`; `None` if it is unknown.
+    /// The value of the coordinate `row`; `None` if it is unknown.
     pub fn get(&self, row: usize) -> Option<f64> {
         self.known[row].then_some(self.values[row])
     }
 
-    /// Which rows are known.
+    /// The coordinates that are known.
     pub fn known(&self) -> KnownMask {
         self.known
     }
 
-    /// At least one row is known.
+    /// True if at least one coordinate is known.
     pub fn is_any_known(&self) -> bool {
         self.known.contains(&true)
     }
 
-    /// The same with the rows that are unknown in `known` unknown here too.
+    /// The same values, where those that are unknown in `known` become unknown.
     #[must_use]
     pub fn only(&self, known: KnownMask) -> Self {
         Self::from_rows(&std::array::from_fn(|row| self.get(row).filter(|_| known[row])))
     }
 
-    /// A number in every row: that of `stand_in` where the row is unknown.
+    /// A number in every coordinate: the value of `stand_in` where the coordinate is unknown.
     pub fn or(&self, stand_in: &Coords) -> Coords {
         Coords::from_fn(|row, _| self.get(row).unwrap_or(stand_in[row]))
     }
 
-    /// No known row is NaN or infinite.
+    /// True if no known value is NaN or infinite.
     pub fn is_finite(&self) -> bool {
         (0..N).filter_map(|row| self.get(row)).all(f64::is_finite)
     }
 }
 
-/// The rows that are known in both.
+/// The coordinates that are known in both.
 pub fn known_in_both(one: KnownMask, other: KnownMask) -> KnownMask {
     std::array::from_fn(|row| one[row] && other[row])
 }
 
 impl From<Coords> for KnownCoords {
-    /// Every row is known.
+    /// All coordinates are known.
     fn from(values: Coords) -> Self {
         Self { values, known: [true; N] }
     }
@@ -97,7 +97,7 @@ impl Index<usize> for KnownCoords {
 }
 
 impl IndexMut<usize> for KnownCoords {
-    /// A row that is written is known.
+    /// A coordinate that is written becomes known.
     fn index_mut(&mut self, row: usize) -> &mut f64 {
         self.known[row] = true;
         &mut self.values[row]
@@ -105,7 +105,7 @@ impl IndexMut<usize> for KnownCoords {
 }
 
 impl PartialEq for KnownCoords {
-    /// The same rows are known and equal.
+    /// Equal if the same coordinates are known and have equal values.
     fn eq(&self, other: &Self) -> bool {
         (0..N).all(|row| self.get(row) == other.get(row))
     }

@@ -1,8 +1,8 @@
-//! What changes the world or the clock of a flight: by a scenario, by its time, or by a client.
+//! Quantities that change the world or the clock of a flight, set by a scenario, at a time of the flight, or by a client.
 
 use super::Quantity;
 
-/// Payload in the world or in the hand.
+/// Mass of the payload, in the world or in the gripper.
 pub static PAYLOAD_MASS: Quantity = Quantity::new(
     "payload_mass",
     "kg",
@@ -14,7 +14,7 @@ pub static PAYLOAD_MASS: Quantity = Quantity::new(
 .step(0.01)
 .sent_as(&["disturb.payload_mass.kg"]);
 
-/// Air in the world: mean, gusts and turbulence alike.
+/// Wind speed in the world: mean, gusts and turbulence.
 pub static WIND: Quantity = Quantity::new(
     "wind",
     "m/s",
@@ -47,7 +47,7 @@ pub static PUSH_DURATION: Quantity = Quantity::new(
 .step(0.05)
 .sent_as(&["disturb.push.duration_s"]);
 
-/// Ticks of one `step`.
+/// Number of ticks of one `step`.
 pub static STEP_TICKS: Quantity =
     Quantity::new("step_ticks", "ticks", [1.0, 1000.0], "ticks that a paused flight flies", &[])
         .step(1.0)
@@ -59,12 +59,12 @@ pub static SPEED: Quantity =
         .step(0.01)
         .sent_as(&["speed.value"]);
 
-/// A time of a recording.
+/// Time of a recording to go to.
 pub static SEEK_TIME: Quantity =
     Quantity::new("seek_time", "s", [0.0, 1e6], "time of a recording to go to", &[])
         .step(0.01)
         .sent_as(&["seek.t_s"]);
 
-/// All of them.
+/// All quantities of this file.
 pub(super) static ALL: [&Quantity; 7] =
     [&PAYLOAD_MASS, &WIND, &PUSH_FORCE, &PUSH_DURATION, &STEP_TICKS, &SPEED, &SEEK_TIME];

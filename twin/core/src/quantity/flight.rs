@@ -1,8 +1,8 @@
-//! Numbers of a flight: what is flown, by which loop, and how it is judged.
+//! Quantities of a flight: its task, its control loop, and its verdict.
 
 use super::Quantity;
 
-/// All of them.
+/// All quantities of this file.
 pub(super) static ALL: &[Quantity] = &[
     // Task.
     Quantity::new(

@@ -1,8 +1,8 @@
-//! Gains: what an operator changes while flying. [`crate::tuning`] says where each of them lives.
+//! Gains, which an operator changes while flying. [`crate::tuning`] says which field each of them sets.
 
 use super::Quantity;
 
-/// Error slope of a row.
+/// Error slope of a coordinate.
 pub static SLOPE: Quantity = Quantity::new(
     "slope",
     "1/s",
@@ -12,7 +12,7 @@ pub static SLOPE: Quantity = Quantity::new(
 )
 .step(0.05);
 
-/// Damping of the rows x y z, whose sliding variable is a velocity.
+/// Damping of x y z, whose sliding variable is a velocity.
 pub static DAMPING_OF_TRANSLATION: Quantity = Quantity::new(
     "damping_of_translation",
     "N s/m",
@@ -22,7 +22,7 @@ pub static DAMPING_OF_TRANSLATION: Quantity = Quantity::new(
 )
 .step(0.05);
 
-/// Damping of the rows of attitude and joints, whose sliding variable is an angular rate.
+/// Damping of attitude and joints, whose sliding variable is an angular rate.
 pub static DAMPING_OF_ROTATION: Quantity = Quantity::new(
     "damping_of_rotation",
     "N m s/rad",
@@ -57,7 +57,7 @@ pub static ROBUST_GAIN_CAP: Quantity = Quantity::new(
 )
 .step(0.05);
 
-/// Where the robust term becomes linear.
+/// Norm of the sliding variable below which the robust term is linear.
 pub static BOUNDARY_LAYER: Quantity = Quantity::new(
     "boundary_layer",
     "",
@@ -77,7 +77,7 @@ pub static RESIDUAL_FILTER_ON: Quantity = Quantity::new(
 )
 .step(1.0);
 
-/// Corner of the low-pass on `r_hat`; a tick of 10 ms knows nothing above 50 Hz.
+/// Corner of the low-pass on `r_hat`. At most 50 Hz: a period of 10 ms cannot represent more.
 pub static RESIDUAL_BANDWIDTH: Quantity = Quantity::new(
     "residual_bandwidth_hz",
     "Hz",
@@ -147,7 +147,7 @@ pub static ADAPTER_ON: Quantity = Quantity::new(
 )
 .step(1.0);
 
-/// All of them.
+/// All quantities of this file.
 pub(super) static ALL: [&Quantity; 15] = [
     &SLOPE,
     &DAMPING_OF_TRANSLATION,

@@ -1,8 +1,7 @@
-//! The registry of quantities: name, unit, range and help of every number that a scenario holds, an operator sets or a message
-//! carries, once each.
+//! The registry of quantities: name, unit, range and help of every number in a scenario, on a slider or in a message, each defined once.
 //!
-//! A scenario file is checked, its JSON Schema is written, gains are set, messages of clients are checked and sliders are drawn
-//! by what stands here. [`at`] finds a quantity by the key of a scenario; code that handles one quantity names its static.
+//! The registry serves the check of scenario files, their JSON Schema, the gains, the check of clients' messages and the sliders. [`at`]
+//! finds a quantity by the key of a scenario; code that handles one quantity names its static.
 
 mod change;
 mod flight;
@@ -20,7 +19,7 @@ pub use slip::Slip;
 
 use crate::notation::COORDINATE_NAMES;
 
-/// A number with a meaning: what bounds it, and which keys and messages hold it.
+/// A number with its unit and range, and the keys and messages that carry it.
 #[derive(Debug, PartialEq)]
 pub struct Quantity {
     /// Unique name, `payload_mass`.
@@ -31,14 +30,14 @@ pub struct Quantity {
     pub min: f64,
     /// Largest allowed value.
     pub max: f64,
-    /// Step of a slider; a hundredth of the range unless it is said.
+    /// Step of a slider; by default a hundredth of the range.
     pub step: f64,
-    /// What it says, in a few words.
+    /// Meaning, in a few words.
     pub help: &'static str,
-    /// Keys of a scenario that hold it: dotted, without indices of lists, but with the name of the row where rows differ. One
-    /// `*` in a segment stands for any characters of it.
+    /// Keys of a scenario that hold it: dotted, without indices of lists, but with the name of the coordinate where coordinates differ. One
+    /// `*` in a segment stands for any characters.
     pub keys: &'static [&'static str],
-    /// Further such keys, at which 0 is allowed too and says that there is none.
+    /// Further keys that hold it, at which 0 is allowed too and means "none".
     pub keys_or_none: &'static [&'static str],
     /// Messages of a client that carry it: type, kind of a disturbance, field.
     pub messages: &'static [&'static str],
@@ -48,16 +47,16 @@ pub struct Quantity {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{name} = {found} refused: expected a finite value in {allowed}")]
 pub struct OutOfRange {
-    /// What was to be set.
+    /// Name of the quantity or key that was to be set.
     pub name: String,
-    /// What was asked for.
+    /// Refused value.
     pub found: f64,
     /// Range and unit.
     pub allowed: String,
 }
 
 impl Quantity {
-    /// A quantity that only `keys` of a scenario hold.
+    /// A quantity that occurs only at `keys` of a scenario.
     const fn new(
         name: &'static str,
         unit: &'static str,
@@ -69,27 +68,27 @@ impl Quantity {
         Self { name, unit, min, max, step, help, keys, keys_or_none: &[], messages: &[] }
     }
 
-    /// A slider sets it in steps.
+    /// Sets the step of its slider.
     const fn step(self, step: f64) -> Self {
         Self { step, ..self }
     }
 
-    /// At these keys of a scenario 0 is allowed too.
+    /// Allows 0 too at these keys of a scenario.
     const fn or_none_at(self, keys_or_none: &'static [&'static str]) -> Self {
         Self { keys_or_none, ..self }
     }
 
-    /// These messages carry it.
+    /// Adds the messages that carry it.
     const fn sent_as(self, messages: &'static [&'static str]) -> Self {
         Self { messages, ..self }
     }
 
-    /// `value` is finite and lies in the range.
+    /// True if `value` is finite and lies in the range.
     pub fn allows(&self, value: f64) -> bool {
         (self.min..=self.max).contains(&value)
     }
 
-    /// Checks `value`, which is to be set as `name`.
+    /// Checks `value` on behalf of `name`, which the error reports.
     ///
     /// # Errors
     /// [`OutOfRange`] if it is not finite or outside the range.
@@ -114,13 +113,13 @@ impl Quantity {
         format!("{}..={}{space}{}", plain(self.min), plain(self.max), self.unit)
     }
 
-    /// The slip of the unit that `value` looks like.
+    /// The slip of the unit that would explain `value`, if there is one.
     pub fn slip(&self, value: f64) -> Option<Slip> {
         slip::of(self, value)
     }
 }
 
-/// The shortest text of a number, `1e-9` rather than ten digits.
+/// The shortest text of a number: `1e-9` rather than ten digits.
 fn plain(value: f64) -> String {
     let text = format!("{value:?}");
     text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
@@ -132,17 +131,17 @@ pub fn all() -> impl Iterator<Item = &'static Quantity> {
     named.chain(world::ALL).chain(flight::ALL)
 }
 
-/// What bounds the number at a key of a scenario.
+/// The range of the number at a key of a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     /// The quantity.
     pub quantity: &'static Quantity,
-    /// 0 is allowed too: there is none.
+    /// True if 0 is allowed too and means "none".
     pub or_none: bool,
 }
 
 impl Bounds {
-    /// `value` is allowed at this key.
+    /// True if `value` is allowed at this key.
     pub fn allow(&self, value: f64) -> bool {
         (self.or_none && value == 0.0) || self.quantity.allows(value)
     }
@@ -154,8 +153,8 @@ impl Bounds {
     }
 }
 
-/// The bounds of the number at `path` in a scenario, indices of lists among its segments; of several keys that fit, the one with
-/// the most characters that are not a `*` counts. `None` if nothing bounds it.
+/// The bounds of the number at `path` in a scenario, whose segments include indices of lists. If several keys match, the one with the most
+/// characters other than `*` counts. `None` if nothing bounds the number.
 pub fn at(path: &[String]) -> Option<Bounds> {
     let is_key = |segment: &&String| segment.parse::<usize>().is_err();
     let keys: Vec<&str> = path.iter().filter(is_key).map(String::as_str).collect();
@@ -175,7 +174,7 @@ fn nearest(keys: &[&str]) -> Option<Bounds> {
     fitting.max_by_key(|(characters, _)| *characters).map(|(_, bounds)| bounds)
 }
 
-/// Characters of a pattern that stand for themselves.
+/// Number of characters of a pattern other than `*`.
 fn literal(pattern: &str) -> usize {
     pattern.bytes().filter(|byte| *byte != b'*').count()
 }

@@ -1,9 +1,9 @@
-//! Which slip of the unit a number out of range looks like.
+//! Recognises a slip of the unit in a number that is out of range.
 
 use super::Quantity;
 
-/// A unit, a slip and the factor that turns the slip into the unit. Kilometres per hour are too near to metres per second to be
-/// told from them.
+/// A unit, the unit of the slip, and the factor from the slip to the unit. Kilometres per hour are missing: the factor 3.6 is too small to
+/// recognise.
 const SLIPS: &[(&str, &str, f64)] = &[
     ("kg", "grams", 1e-3),
     ("m", "centimetres", 1e-2),
@@ -16,7 +16,7 @@ const SLIPS: &[(&str, &str, f64)] = &[
     ("rad/s", "degrees per second", std::f64::consts::PI / 180.0),
 ];
 
-/// A value at least so many times the end of its range was hardly meant in its unit; a smaller one is merely too large.
+/// Factor beyond an end of the range from which a value counts as a slip of the unit; a smaller excess is merely too large a value.
 const IMPLAUSIBLE: f64 = 10.0;
 
 /// A number in a wrong unit.
@@ -24,7 +24,7 @@ const IMPLAUSIBLE: f64 = 10.0;
 pub struct Slip {
     /// The number as it was given.
     pub found: f64,
-    /// The unit it looks like.
+    /// Unit in which the number would make sense.
     pub unit: &'static str,
     /// The number in its right unit, to six digits.
     pub corrected: f64,
@@ -36,7 +36,7 @@ impl std::fmt::Display for Slip {
     }
 }
 
-/// The first slip that makes `value`, which no one can have meant, a value of the range.
+/// The first slip of the unit that turns the implausible `value` into a value within the range.
 pub(super) fn of(quantity: &Quantity, value: f64) -> Option<Slip> {
     let end = quantity.max.abs().max(quantity.min.abs());
     if !value.is_finite() || value.abs() < IMPLAUSIBLE * end {

@@ -26,7 +26,7 @@ fn a_quantity_has_a_name_of_its_own_a_range_and_a_step() {
 fn every_key_leads_to_its_quantity_whose_ends_are_allowed_and_nothing_beyond() {
     for quantity in all() {
         for key in quantity.keys.iter().chain(quantity.keys_or_none) {
-            // A star may stand for nothing.
+            // A star may stand for no character.
             let bounds = at(&path(&key.replace('*', ""))).unwrap_or_else(|| panic!("{key}"));
             assert_eq!(bounds.quantity.name, quantity.name, "{key}");
             assert!(bounds.allow(quantity.min) && bounds.allow(quantity.max), "{key}");

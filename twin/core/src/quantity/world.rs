@@ -1,11 +1,11 @@
-//! Numbers of the vehicle and of the world around it.
+//! Quantities of the vehicle and of the world around it.
 
 use super::Quantity;
 
-/// Largest whole number a double holds exactly; a seed beyond it would change in JSON.
+/// Largest whole number that a double represents exactly; JSON would change a larger seed.
 const MAX_EXACT: f64 = 9_007_199_254_740_992.0;
 
-/// All of them.
+/// All quantities of this file.
 pub(super) static ALL: &[Quantity] = &[
     Quantity::new(
         "seed",

@@ -1,6 +1,6 @@
-//! Predictors of the paper's comparison that need no network: each one file with its source at its head.
+//! Predictors of the paper's comparison that need no network, one file each, with its source at the head of the file.
 //!
-//! They see the newest entry of the history, z-scored, masked channels left out, and forecast `j = 0..=k` at once.
+//! They read the newest entry of the history, z-scored and without masked channels, and forecast `j = 0..=k` at once.
 
 pub mod sindy;
 pub mod gp;
@@ -13,23 +13,23 @@ use crate::tick::Forecast;
 pub use gp::Gp;
 pub use sindy::Sindy;
 
-/// Values forecast: eight rows at seven horizons.
+/// Number of forecast values: eight coordinates at seven horizons.
 pub const TARGETS: usize = N * (HORIZON + 1);
 
 /// Turns a history into z-scored inputs, and z-scored outputs into forces.
 #[derive(Clone, Debug)]
 pub struct Standard {
-    /// Index of each input among `chi`, `chi_dot`, `tau_{t-1}`, its mean and standard deviation.
+    /// Each input: its index among `chi`, `chi_dot`, `tau_{t-1}`, its mean and its standard deviation.
     inputs: Vec<(usize, f64, f64)>,
     mean: Coords,
     std: Coords,
 }
 
 impl Standard {
-    /// As `head` says.
+    /// The statistics of `head`.
     ///
     /// # Errors
-    /// [`WeightsError`] for the head of another vehicle.
+    /// [`WeightsError`] if `head` belongs to another vehicle.
     pub fn new(head: &Head) -> Result<Self, WeightsError> {
         head.check_channels()?;
         let n = &head.normalisation;
@@ -52,17 +52,17 @@ impl Standard {
         self.inputs.len()
     }
 
-    /// There is none.
+    /// True if there is no input.
     pub fn is_empty(&self) -> bool {
         self.inputs.is_empty()
     }
 
-    /// z-scores of one tick's `chi`, `chi_dot`, `tau_{t-1}`.
+    /// z-scores of `chi`, `chi_dot`, `tau_{t-1}` of one tick.
     pub fn z(&self, parts: [&Coords; 3]) -> Vec<f64> {
         self.inputs.iter().map(|(i, mean, std)| (parts[i / N][i % N] - mean) / std).collect()
     }
 
-    /// The same of the newest entry; zeros before there is one.
+    /// z-scores of the newest entry; zeros while the history is empty.
     fn newest(&self, history: &History) -> Vec<f64> {
         history.newest().map_or_else(
             || vec![0.0; self.inputs.len()],
@@ -70,7 +70,7 @@ impl Standard {
         )
     }
 
-    /// Forecast of z-scored targets, row by row within each horizon; there is no regime to adapt on.
+    /// Forecast from z-scored targets, all coordinates of one horizon after the other. Its regime is empty, so the adapter learns nothing.
     fn forecast(&self, targets: &[f64]) -> Forecast {
         let force = |z: &[f64]| Coords::from_column_slice(z).component_mul(&self.std) + self.mean;
         Forecast {

@@ -1,4 +1,4 @@
-//! A predictor that answers NaN for a time: what a scenario uses to show that the loop survives it.
+//! A predictor that answers NaN for some time: a scenario uses it to show that the loop survives such a failure.
 
 use std::ops::Range;
 
@@ -14,7 +14,7 @@ pub struct Failing {
 }
 
 impl Failing {
-    /// `predictor`, whose answer is NaN in the calls of `broken`, counted from 0.
+    /// Wraps `predictor`: its answers are NaN in the calls `broken`, counted from 0.
     pub fn new(predictor: Box<dyn Predictor>, broken: Vec<Range<u64>>) -> Self {
         Self { predictor, broken, calls: 0 }
     }

@@ -5,21 +5,21 @@
 //! the attention over the channels. State: the weights, never changed in flight.
 //!
 //! How the paper is read where its text leaves a choice:
-//! - **Inputs** (sec. Variable-Wise Temporal Embedding): `x_t` holds the force of the previous tick, `tau_{t-1}`; the present one
-//!   is not known when `r_t` is forecast. Windows are exactly `T_s` and `T_l` ticks, the last is now. Histories and residuals are
-//!   z-scored by the training data, or the sum of `eq:training_loss` would add N to N m. `x`, `y` and `psi` are masked: where the
-//!   vehicle is, says nothing about the force on it.
-//! - **Layers** (sec. Short-Horizon Context Encoding): the one equation of the encoder, `E~ = MSA([E; g]) + [E; g]`, stands
-//!   `layers` times, without a feed-forward network of its own. Layer normalisation, which the text does not name, stands before
-//!   the attention, before `W_Q` and before the decoder's FFN. One learned global token goes through all layers.
-//! - **Memory** (sec. Long-Horizon Memory Retrieval): the shared MLP is `T_l -> d -> d` with GELU (exact error function); its
-//!   output carries the channel's identity too, or the attention could not tell the channels apart. One head of width `d_k`;
-//!   nothing is added to `g'`, which is the adapter's regressor.
+//! - **Inputs** (sec. Variable-Wise Temporal Embedding): `x_t` holds the force of the previous tick, `tau_{t-1}`; the present one is not
+//!   known when `r_t` is forecast. Windows are exactly `T_s` and `T_l` ticks and end now. Histories and residuals are z-scored by the
+//!   training data, because the sum of `eq:training_loss` would otherwise add N to N m. `x`, `y` and `psi` are masked: the place and
+//!   heading of the vehicle do not determine the force on it.
+//! - **Layers** (sec. Short-Horizon Context Encoding): the one equation of the encoder, `E~ = MSA([E; g]) + [E; g]`, occurs `layers` times,
+//!   without a feed-forward network of its own. Layer normalisation, which the text does not name, precedes the attention, `W_Q` and the
+//!   decoder's FFN. One learned global token passes through all layers.
+//! - **Memory** (sec. Long-Horizon Memory Retrieval): the shared MLP is `T_l -> d -> d` with GELU (exact error function). Its output
+//!   includes the channel's identity, because the attention could not tell the channels apart otherwise. One head of width `d_k`; nothing
+//!   is added to `g'`, which is the adapter's regressor.
 //! - **Encoder output** (sec. Residual Prediction): `[E~; lift g']`, the tokens after the attention, and `g'` through a learned
 //!   map to their width. The adapter sees `g'` itself, times `regime_scale`.
-//! - **Decoder**: the FFN with its own residual sum, then an MLP on the mean of the channels' outputs beside the last token's.
-//!   The number of tokens is then no part of its size.
-//! - **Correction** (`r_adapt`): the adapter corrects `j = 0`; what it adds there is added to every `j`.
+//! - **Decoder**: the FFN with its own residual sum, then an MLP on the mean of the channels' outputs beside the last token's. So its size
+//!   does not depend on the number of tokens.
+//! - **Correction** (`r_adapt`): the adapter corrects `j = 0`; the same correction is added to every `j`.
 
 mod model;
 mod fold;
@@ -47,7 +47,7 @@ impl Fdt {
     /// The predictor of `weights`, computed by `kernel`.
     ///
     /// # Errors
-    /// [`WeightsError`] if they are of another model or vehicle, or a tensor is not what it must be.
+    /// [`WeightsError`] if they belong to another model or vehicle, or if a tensor is missing or has a wrong shape.
     pub fn new(
         weights: &Weights,
         kernel: Kernel,

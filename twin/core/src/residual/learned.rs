@@ -1,7 +1,7 @@
-//! Learned baselines of the paper's tables in flight: the same frame and blocks as the FDT, their own networks.
+//! The learned baselines of the paper's tables in flight: same inputs and building blocks as the FDT, but other networks.
 //!
-//! In: [`History`]. Out: [`Forecast`] in N and N m, and the last hidden vector as the regime the adapter corrects on. State: the
-//! weights; of those that learn in flight also the last layer.
+//! In: [`History`]. Out: [`Forecast`] in N and N m, with the last hidden vector as the regime that the adapter uses. State: the weights; a
+//! baseline that learns in flight also changes its last layer.
 
 pub mod mlp;
 mod stack;
@@ -17,16 +17,16 @@ use super::weights::{self, ModelKind, Weights, WeightsError};
 use super::{History, Predictor, PredictorInfo};
 use crate::tick::Forecast;
 
-/// Most of any size: what fits into memory.
+/// Largest value of any size, so that the tensors fit into memory.
 const MOST: usize = 4096;
 
-/// Sizes of a baseline; those that a model does not have are ignored.
+/// Sizes of a baseline; a model ignores the sizes that it does not have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sizes {
     /// Input channels.
     pub channels: usize,
-    /// Rows of the residual.
+    /// Coordinates of the residual.
     pub outputs: usize,
     /// Ticks of history.
     pub t_long: usize,
@@ -45,7 +45,7 @@ pub struct Sizes {
 }
 
 impl Sizes {
-    /// Numbers of a readout.
+    /// Number of values of the readout.
     pub fn readout(&self) -> usize {
         (self.horizon + 1) * self.outputs
     }
@@ -95,12 +95,12 @@ pub trait Network: Send {
 struct Layout {
     /// Name and shape of every tensor.
     tensors: fn(&Sizes) -> Shapes,
-    /// The network of tensors that were checked.
+    /// Builds the network from checked tensors.
     load: fn(&Weights, &Sizes) -> Box<dyn Network>,
 }
 
 impl Layout {
-    /// The layout of the baseline `kind`; `None` for the FDT, which is none.
+    /// The layout of the baseline `kind`; `None` for the FDT, which is no baseline.
     fn of(kind: ModelKind) -> Option<Self> {
         Some(match kind {
             ModelKind::Fdt => return None,
@@ -128,7 +128,7 @@ impl Layout {
 /// The network of `weights`.
 ///
 /// # Errors
-/// [`WeightsError`] if they are of no baseline, or a tensor is not what it must be.
+/// [`WeightsError`] if they belong to no baseline, or if a tensor is missing or has a wrong shape.
 pub fn network(weights: &Weights) -> Result<(Sizes, Box<dyn Network>), WeightsError> {
     let sizes = Sizes::of(weights)?;
     let word = &weights.head.model;
@@ -145,7 +145,7 @@ pub struct Baseline {
     network: Box<dyn Network>,
     sizes: Sizes,
     scaling: Scaling,
-    /// The last hidden vector of the tick before.
+    /// The last hidden vector of the previous tick.
     hidden: Vec<f32>,
 }
 
@@ -153,7 +153,7 @@ impl Baseline {
     /// The predictor of `weights`.
     ///
     /// # Errors
-    /// [`WeightsError`] if they are of another model or vehicle, or a tensor is not what it must be.
+    /// [`WeightsError`] if they belong to another model or vehicle, or if a tensor is missing or has a wrong shape.
     pub fn new(weights: &Weights) -> Result<Self, WeightsError> {
         let (sizes, network) = network(weights)?;
         Ok(Self { network, sizes, scaling: Scaling::new(&weights.head)?, hidden: Vec::new() })
@@ -189,7 +189,7 @@ impl Predictor for Baseline {
     }
 }
 
-/// The ticks `[t, channels]` of histories `[channels, t]`.
+/// Transposes histories `[channels, t]` to ticks `[t, channels]`.
 fn by_tick(x: &[f32], t: usize) -> Vec<f32> {
     (0..t).flat_map(|tick| x.iter().skip(tick).step_by(t).copied()).collect()
 }

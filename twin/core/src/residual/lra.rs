@@ -9,29 +9,29 @@ use serde::{Deserialize, Serialize};
 use crate::notation::{Coords, KnownCoords, N};
 use crate::tick::{Adapted, Forecast};
 
-/// What an operator may change while flying.
+/// Settings of the adapter, which an operator may change in flight.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
-    /// The adapter corrects the base forecast; off, the base forecast is used alone.
+    /// The adapter corrects the base forecast; if false, the base forecast is used alone.
     pub enabled: bool,
     /// Forgetting factor `lambda` in (0, 1].
     pub forgetting: f64,
-    /// Covariance after a reset is `sigma_0 I`; also at the start.
+    /// `sigma_0`: the covariance is `sigma_0 I` at the start and after a reset.
     pub reset_scale: f64,
-    /// The covariance may be reset; off, only forgetting keeps the adapter awake.
+    /// The covariance may be reset; if false, only forgetting keeps the covariance large.
     #[serde(default = "on")]
     pub reset_enabled: bool,
     /// `delta_thresh`, compared with the norm of the mean innovation.
     pub reset_threshold: f64,
     /// `alpha`, weight of the old value in the mean innovation.
     pub innovation_smoothing: f64,
-    /// No second reset within this time, s.
+    /// Shortest time between two resets, s.
     pub refractory_s: f64,
     /// The trace of the covariance is capped at this value times `d_k`; infinite switches the cap off.
     pub trace_cap_per_feature: f64,
 }
 
-/// Recordings made before the switch existed could reset.
+/// Default of `reset_enabled` for recordings that were made before this switch existed: they could reset.
 fn on() -> bool {
     true
 }
@@ -66,8 +66,8 @@ pub struct Adapter {
 }
 
 impl Adapter {
-    /// An adapter over `d_k` features whose innovation is measured in units of `scale` per row (z-score: the standard
-    /// deviation of the residual; physical units: ones).
+    /// An adapter over `d_k` features. `scale` is the unit of its innovation per coordinate (z-score: the standard deviation of the
+    /// residual; physical units: ones).
     pub fn new(d_k: usize, scale: Coords, settings: &Settings) -> Self {
         Self {
             scale,
@@ -90,7 +90,7 @@ impl Adapter {
 
     /// Eigenvalues of `Sigma`, largest first; empty if they cannot be found.
     pub fn spectrum(&self) -> Vec<f64> {
-        // A bound on the steps: the decomposition must end for every matrix.
+        // Bound on the iterations: the decomposition must end for every matrix.
         const MOST_STEPS: usize = 10_000;
         let found =
             nalgebra::SymmetricEigen::try_new(self.covariance.clone(), f64::EPSILON, MOST_STEPS);
@@ -99,8 +99,8 @@ impl Adapter {
         values
     }
 
-    /// Changes the weights by as little as makes the estimate for `forecast` equal `known` (N and N m): a known jump, such as a
-    /// payload that is put down, needs not be learned from its error. A row without a known forecast stays as it is.
+    /// Makes the smallest change of the weights after which the estimate for `forecast` equals `known` (N and N m). The adapter need not
+    /// learn a known jump, such as the release of a payload, from its error. A coordinate without a known forecast is not changed.
     pub fn move_to(&mut self, forecast: &Forecast, known: &Coords) {
         let g = DVector::from_column_slice(&forecast.regime);
         let power = g.norm_squared();
@@ -116,8 +116,8 @@ impl Adapter {
         }
     }
 
-    /// One step of Algorithm 1, lines 5 to 8. With `frozen` the estimate is given but nothing is learned. A non-finite
-    /// input leaves the state as it was. Of a row whose residual is unknown nothing is learned and nothing is said.
+    /// One step of Algorithm 1, lines 5 to 8. With `frozen` it estimates but does not learn. A non-finite input leaves the state unchanged.
+    /// In a coordinate whose residual is unknown it learns nothing, and the estimate is unknown.
     pub fn step(
         &mut self,
         forecast: &Forecast,
@@ -176,7 +176,7 @@ impl Adapter {
         self.weights.tr_mul(g)
     }
 
-    /// The new state is computed whole, checked, then assigned. Returns the norm of `K`.
+    /// Computes the whole new state, checks it, then assigns it. Returns the norm of `K`.
     fn rls(&mut self, g: &DVector<f64>, innovation: &Coords, settings: &Settings) -> f64 {
         let lambda = settings.forgetting;
         let p_g = &self.covariance * g;

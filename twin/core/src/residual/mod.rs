@@ -1,4 +1,4 @@
-//! What predicts the residual `r` (`eq:residual_dynamics`).
+//! Predictors of the residual `r` (`eq:residual_dynamics`).
 //!
 //! In: the history of coordinates, rates and applied force. Out: a [`Forecast`] of `r` and the regime latent `g'`, then the
 //! [`Adapted`](crate::tick::Adapted) estimate of the Latent Residual Adapter.
@@ -34,9 +34,9 @@ pub use random_features::RandomFeatures;
 /// Horizon `k` of a forecast: `j = 0..=k`.
 pub const HORIZON: usize = 6;
 
-/// Something that forecasts the residual from the history; deterministic, never fails.
+/// A predictor forecasts the residual from the history; it is deterministic and never fails.
 ///
-/// A predictor that expects the mean of what it saw:
+/// Example: a predictor that expects the mean of the residuals in its history.
 ///
 /// ```
 /// use twin_core::notation::{Coords, GRAVITY_M_S2};
@@ -79,12 +79,12 @@ pub trait Predictor: Send {
     /// Width `d_k` of the regime latent, 0 if the predictor has none (then the adapter has nothing to learn from).
     fn regime_len(&self) -> usize;
 
-    /// Ticks of history it looks at.
+    /// Number of ticks of history that it reads.
     fn history_len(&self) -> usize {
         1
     }
 
-    /// What viewers and recordings are told of it.
+    /// Description of the predictor for viewers and recordings.
     fn info(&self) -> PredictorInfo {
         PredictorInfo::default()
     }
@@ -93,19 +93,19 @@ pub trait Predictor: Send {
     fn predict(&mut self, history: &History) -> Forecast;
 }
 
-/// What is known of a predictor before it predicts.
+/// Properties of a predictor that are known before its first forecast.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PredictorInfo {
-    /// Standard deviation of the residual per row, N and N m: the unit of the adapter's z-scored innovation.
+    /// Standard deviation of the residual per coordinate, N and N m: the unit of the adapter's z-scored innovation.
     pub scale: Coords,
-    /// Input channels its attention is over; empty if it has none.
+    /// Names of the input channels of its attention; empty if it has no attention.
     pub attends: Vec<String>,
-    /// Arithmetic of its network: flights of one seed are equal bit for bit only where this is equal.
+    /// Arithmetic of its network: two flights of one seed are equal bit for bit only if this is equal too.
     pub kernel: String,
 }
 
 impl Default for PredictorInfo {
-    /// Of a predictor without a network.
+    /// Properties of a predictor without a network.
     fn default() -> Self {
         Self {
             scale: Coords::from(NOMINAL_SCALE),
@@ -118,9 +118,8 @@ impl Default for PredictorInfo {
 /// Generalised gravity force of the vehicle as modelled (no payload), `g(chi)`, N and N m.
 pub type GravityModel = Box<dyn Fn(&Coords) -> Coords + Send + Sync>;
 
-/// Standard deviation of the residual per row over excited flight, N and N m: the unit of z-scored innovations of predictors
-/// that have no training set of their own. Source: a control study with multisine excitation and 0, 200 and 400 g on another
-/// plant model, rounded; a trained predictor brings its own.
+/// Standard deviation of the residual per coordinate over flights with excitation, N and N m: the unit of the innovation for predictors
+/// without training data. Source: a control study with multisine excitation and 0, 200 and 400 g on another plant model, rounded.
 pub const NOMINAL_SCALE: [f64; 8] = [1.44, 1.24, 1.87, 0.21, 0.62, 0.14, 0.57, 0.30];
 
 /// The same forecast at every step of the horizon.

@@ -1,7 +1,8 @@
-//! Random way-points one after the other: the task of flights from which a residual is learned, and of the flight it is tested on.
+//! Random way-points one after the other: the task of the flights that give training data, and of the flight on which predictors are
+//! tested.
 //!
-//! Each way-point is reached at rest on one quintic; positions, heading and arm are drawn evenly from a box, the speed evenly from a
-//! range. The draws come from a seed alone. State: the moving reference and the random numbers to come.
+//! Each way-point is reached at rest on one quintic. Positions, heading and arm are drawn uniformly from a box, the speed uniformly from a
+//! range. All draws follow from a seed. State: the moving reference and the random generator.
 
 use nalgebra::{Vector2, Vector3};
 use rand::{RngExt, SeedableRng};
@@ -11,17 +12,17 @@ use super::motion::{Motion, Posture};
 use super::{Step, Task, View};
 use crate::tick::{GripperCommand, Reference};
 
-/// Keeps these draws apart from others of the same seed.
+/// Number that keeps these draws independent of other draws with the same seed.
 const STREAM: u64 = 0x3a7b_0175;
 
 /// Time for the vehicle to settle before the first way-point, s.
 const SETTLE_S: f64 = 1.0;
 
-/// Peak of rate and acceleration of a quintic from rest to rest of unit length in unit time.
+/// Peak rate and peak acceleration of a quintic from rest to rest, of unit length in unit time.
 const PEAK_RATE: f64 = 1.875;
 const PEAK_ACCELERATION: f64 = 5.7735;
 
-/// Fastest the arm and the heading turn, rad/s.
+/// Largest rate of the arm and of the heading, rad/s.
 const TURN_RAD_S: f64 = 1.5;
 
 /// Where way-points may lie and how they are flown.
@@ -31,11 +32,11 @@ pub struct Region {
     pub position_m: [Vector3<f64>; 2],
     /// Smallest and largest joint angles, rad.
     pub joints_rad: [Vector2<f64>; 2],
-    /// Heading either way, rad.
+    /// Largest heading to either side, rad.
     pub yaw_rad: f64,
     /// Smallest and largest mean speed between two way-points, m/s.
     pub mean_speed_m_s: [f64; 2],
-    /// The reference accelerates no harder than this, m/s².
+    /// Largest acceleration of the reference, m/s².
     pub acceleration_m_s2: f64,
 }
 
@@ -51,7 +52,7 @@ pub struct Excitation {
 }
 
 impl Excitation {
-    /// From `start` (m) with the arm at `joints` (rad), for `duration_s`.
+    /// A task from `start` (m) with the arm at `joints` (rad), for `duration_s`.
     pub fn new(
         (start, joints): (Vector3<f64>, Vector2<f64>),
         region: Region,

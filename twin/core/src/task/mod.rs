@@ -1,4 +1,4 @@
-//! What to fly: a task turns measurements into references, and says when a phase ends.
+//! Tasks: a task turns measurements into references and decides when a phase ends.
 //!
 //! In: measurement and measured residual. Out: [`Step`] with the [`Reference`] of this tick. Tasks see measured signals only,
 //! never the truth.
@@ -21,7 +21,7 @@ pub use follow::FollowPath;
 pub use hover::Hover;
 pub use pick_place::{PickPlace, PickPlacePlan};
 
-/// What a task sees at one tick.
+/// Input of a task at one tick.
 pub struct View<'a> {
     /// Measurement of this tick.
     pub measurement: &'a Measurement,
@@ -29,22 +29,22 @@ pub struct View<'a> {
     pub residual: &'a KnownCoords,
 }
 
-/// What a task says at one tick.
+/// Output of a task at one tick.
 #[derive(Clone, Debug)]
 pub struct Step {
-    /// What to fly now.
+    /// Desired motion of this tick.
     pub reference: Reference,
     /// Name of the phase.
     pub phase: &'static str,
-    /// What happened.
+    /// Events of this tick.
     pub events: Vec<Event>,
-    /// The task is done.
+    /// True if the task is done.
     pub finished: bool,
     /// Why the task cannot be done, if it gave up.
     pub gave_up: Option<String>,
 }
 
-/// Where the vehicle's arm holds its tool: all that a task needs to know of the vehicle's geometry.
+/// Kinematics of the arm's tool, the only part of the vehicle's geometry that a task needs.
 pub trait ToolKinematics: std::fmt::Debug + Send + Sync {
     /// `body_from_tool` at the joint angles `q = [q1 q2]`, rad; translation in m.
     fn tool_in_body(&self, q: &Vector2<f64>) -> Isometry3<f64>;
@@ -53,9 +53,9 @@ pub trait ToolKinematics: std::fmt::Debug + Send + Sync {
     fn tool_velocity_in_body(&self, q: &Vector2<f64>, q_dot: &Vector2<f64>) -> Vector3<f64>;
 }
 
-/// Something to fly; deterministic.
+/// A task to fly; deterministic.
 ///
-/// A quarter of a turn on the spot, which ends as soon as the vehicle is measured there:
+/// Example: a quarter of a turn on the spot, which ends as soon as the measured heading arrives.
 ///
 /// ```
 /// use std::f64::consts::FRAC_PI_2;

@@ -20,7 +20,7 @@ enum Mode {
     Ramp { goal_z_m: f64, speed_m_s: f64 },
 }
 
-/// The reference in motion; always continuous in position and rate.
+/// The moving reference; always continuous in position and rate.
 #[derive(Clone, Debug)]
 pub struct Motion {
     knot: Knot<6>,
@@ -28,7 +28,7 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// At rest at `posture`.
+    /// A reference at rest at `posture`.
     pub fn new(posture: Posture) -> Self {
         Self { knot: Knot::rest(posture), mode: Mode::Hold }
     }
@@ -38,29 +38,29 @@ impl Motion {
         self.knot.value
     }
 
-    /// Goes to rest at `to` in `duration_s`, from wherever it is moving.
+    /// Moves to rest at `to` within `duration_s`, starting from the present position and rate.
     pub fn go(&mut self, to: Posture, duration_s: f64) {
         self.mode =
             Mode::Segment { quintic: Quintic::to_rest(&self.knot, &to, duration_s), t_s: 0.0 };
     }
 
-    /// Moves vertically towards `goal_z_m` with at most `speed_m_s`; `speed_m_s = 0` pauses.
+    /// Moves vertically towards `goal_z_m` with at most `speed_m_s`; a speed of 0 pauses the ramp.
     pub fn ramp(&mut self, goal_z_m: f64, speed_m_s: f64) {
         self.mode = Mode::Ramp { goal_z_m, speed_m_s };
     }
 
-    /// Jumps to rest at `posture`: allowed in contact, where the reference may hold the measured pose.
+    /// Jumps to rest at `posture`. Allowed in contact only, where the reference may follow the measured pose.
     pub fn hold_at(&mut self, posture: Posture) {
         *self = Self::new(posture);
     }
 
-    /// Follows a given knot (a timed path).
+    /// Follows a given knot of a timed path.
     pub fn follow(&mut self, knot: Knot<6>) {
         self.knot = knot;
         self.mode = Mode::Hold;
     }
 
-    /// The goal is reached and nothing moves.
+    /// True if the goal is reached and the reference is at rest.
     pub fn arrived(&self) -> bool {
         match self.mode {
             Mode::Hold => true,
@@ -71,7 +71,7 @@ impl Motion {
         }
     }
 
-    /// One tick.
+    /// Advances the reference by one tick.
     pub fn step(&mut self, dt_s: f64) {
         match &mut self.mode {
             Mode::Hold => {}
@@ -82,7 +82,7 @@ impl Motion {
             Mode::Ramp { goal_z_m, speed_m_s } => {
                 let a = RAMP_ACCELERATION_M_S2;
                 let to_go = *goal_z_m - self.knot.value.z;
-                // Fastest rate from which the goal can be reached at deceleration `a`, one tick looked ahead.
+                // Largest rate from which deceleration `a` still stops at the goal, computed one tick ahead.
                 let braking =
                     (2.0 * a * (to_go.abs() - self.knot.rate.z.abs() * dt_s).max(0.0)).sqrt();
                 let wanted = to_go.signum() * braking.min(*speed_m_s).min(to_go.abs() / dt_s);
@@ -97,8 +97,7 @@ impl Motion {
         }
     }
 
-    /// The reference of this tick with adaptation free and nothing carried; roll and pitch are zero, the command filter fills
-    /// them.
+    /// The reference of this tick with free adaptation and no payload. Roll and pitch are zero; the command filter fills them.
     pub fn reference(&self, gripper: GripperCommand) -> Reference {
         let expand = |p: &Posture| Coords::from([p[0], p[1], p[2], 0.0, 0.0, p[3], p[4], p[5]]);
         Reference {

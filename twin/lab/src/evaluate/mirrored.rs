@@ -1,28 +1,28 @@
-//! A mirrored flight as a picture: how much of the commanded thrust moved the mass, the vertical residual, the adapter.
+//! Pictures of a mirrored flight: commanded thrust relative to the force that moved the mass, vertical residual, and adapter.
 
 use super::pictures::{Curve, Picture, stacked};
 use twin_core::notation::GRAVITY_M_S2;
 use twin_core::tick::Tick;
 
-/// The row of the vertical force.
+/// Index of z among the coordinates.
 const Z: usize = 2;
 
-/// Points of a curve: more are not seen.
+/// Largest number of points of a curve; more would not be visible.
 const MOST_POINTS: usize = 4000;
 
-/// Where less than this share of the weight moved the mass, something else carries it: an impact, the ground.
+/// Share of the weight below which the ratio is not drawn: then something else carries the vehicle, such as the ground.
 const LEAST_SHARE: f64 = 0.5;
 
-/// What is drawn, tick by tick.
+/// Data of the pictures, tick by tick.
 #[derive(Clone, Debug)]
 pub struct FlightPicture {
     weight_n: f64,
-    /// Time, s, and what is known there.
+    /// Time in s and the values to draw; `None` where the vertical residual is unknown.
     ticks: Vec<(f64, Option<Drawn>)>,
     resets_s: Vec<f64>,
 }
 
-/// One tick, N.
+/// Values of one tick, N.
 #[derive(Clone, Copy, Debug)]
 struct Drawn {
     force: f64,
@@ -32,13 +32,13 @@ struct Drawn {
 }
 
 impl FlightPicture {
-    /// Of a vehicle of this mass.
+    /// Pictures of a vehicle of mass `mass_kg`, kg.
     pub fn new(mass_kg: f64) -> Self {
         let weight_n = mass_kg * GRAVITY_M_S2;
         Self { weight_n, ticks: Vec::new(), resets_s: Vec::new() }
     }
 
-    /// One tick; nothing is drawn where its vertical residual is unknown.
+    /// Adds a tick; a tick with an unknown vertical residual is not drawn.
     pub fn add(&mut self, tick: &Tick) {
         let t_s = tick.measurement.t_s;
         if tick.adapted.reset {
@@ -53,10 +53,10 @@ impl FlightPicture {
         self.ticks.push((t_s, tick.residual.get(Z).map(drawn)));
     }
 
-    /// As SVG.
+    /// The pictures as SVG.
     pub fn svg(&self, name: &str) -> String {
         let weight = self.weight_n;
-        // What moved the mass besides its weight is the force less the residual's part beyond the weight.
+        // Force that moved the mass, its weight included: the applied force minus the part of the residual beyond the weight.
         let gain = |force: f64, residual: f64| {
             let moved = force - residual + weight;
             if moved > LEAST_SHARE * weight { force / moved } else { f64::NAN }
@@ -122,7 +122,7 @@ mod tests {
             }
             picture.add(&tick);
         }
-        // 26 N where the weight of 19.62 N moved nothing else: 1.325 times too much.
+        // The applied force is 26 N where only the weight of 19.62 N was moved: 1.325 times as much.
         let gain = picture.curve("", true, |d| d.force / (d.force - d.residual + 19.62));
         assert_eq!(gain.points.len(), 100);
         assert!(gain.points.iter().all(|(_, k)| (k - 26.0 / 19.62).abs() < 1e-12));

@@ -1,16 +1,16 @@
-//! Where a mission was flown, seen from above: the path that was asked for and the one that was flown.
+//! The path of a mission seen from above: reference and flown path.
 
 use super::pictures::{Curve, Picture};
 use super::series::EvaluateError;
 use twin_scenario::{Scenario, fly};
 
-/// Every so many ticks a point is drawn.
+/// Number of ticks between two points of the path.
 const EVERY: usize = 5;
 
-/// Flies `scenario` and draws its path from above, from lift-off of the payload to its release; m in the world's frame.
+/// Flies `scenario` and draws its path from above, from lift-off of the payload to its release; m in the world frame.
 ///
 /// # Errors
-/// [`EvaluateError`] if it cannot be built.
+/// [`EvaluateError`] if the flight cannot be built.
 pub fn path(scenario: &Scenario, name: &str) -> Result<Picture, EvaluateError> {
     let (mut asked, mut flown, mut ticks) = (Vec::new(), Vec::new(), 0_usize);
     let report = fly(scenario, &mut |tick| {

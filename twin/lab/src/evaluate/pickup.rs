@@ -1,5 +1,5 @@
-//! What happens when the load changes: innovation, covariance resets, and how long until the estimate fits again, with the
-//! adapter, without it, and with its reset switched off.
+//! Measures the adapter after a change of the load: innovation, covariance resets and the time until the estimate fits again, with the
+//! adapter, without it, and without its reset.
 
 use serde::Serialize;
 
@@ -9,22 +9,22 @@ use twin_core::notation::position;
 use twin_core::tick::{EventKind, Tick};
 use twin_scenario::{Scenario, Verdict, fly};
 
-/// How the adapter flies: name and the keys that make it.
+/// Modes of the adapter: name and the overrides that select it.
 pub const MODES: [(&str, &[&str]); 3] = [
     ("adapter on", &[]),
     ("reset disabled", &["gains.reset_threshold=1000"]),
     ("adapter off", &["gains.adapter_on=0"]),
 ];
 
-/// The estimate fits again once its vertical error stays below this for this long, N and s.
+/// The estimate fits again once its vertical error stays below [`FITS_N`] (N) for [`STAYS_S`] (s).
 const FITS_N: f64 = 0.5;
 const STAYS_S: f64 = 0.5;
 
-/// What is looked at, s before and after the load changes.
+/// Window around the change of the load: s before and s after it.
 const BEFORE_S: f64 = 2.0;
 const AFTER_S: f64 = 6.0;
 
-/// One flight.
+/// Result of one flight.
 #[derive(Clone, Debug, Serialize)]
 pub struct PickupFlight {
     /// Scenario.
@@ -35,11 +35,11 @@ pub struct PickupFlight {
     pub seed: u64,
     /// How the flight ended.
     pub verdict: Verdict,
-    /// When the load changed, s; `None` if it never did.
+    /// Time of the change of the load, s; `None` if it never changed.
     pub at_s: Option<f64>,
-    /// Resets of the whole flight, s.
+    /// Times of all resets of the flight, s.
     pub resets_s: Vec<f64>,
-    /// Largest smoothed innovation within the window, and the threshold.
+    /// Largest smoothed innovation within the window, compared with the threshold.
     pub innovation_peak: f64,
     /// The threshold in force.
     pub threshold: f64,
@@ -74,10 +74,10 @@ impl From<&Tick> for TickRecord {
     }
 }
 
-/// Flies `scenario` in `mode`. The load changes when the cube leaves its support (the phase after the grasp), or is dropped.
+/// Flies `scenario` in `mode`. The load changes when the cube leaves its support (the phase after the grasp) or is dropped.
 ///
 /// # Errors
-/// [`EvaluateError`] if it cannot be built.
+/// [`EvaluateError`] if the flight cannot be built.
 pub fn pick_up(scenario: &Scenario, mode: &'static str) -> Result<PickupFlight, EvaluateError> {
     let tuning = scenario.tuning().map_err(twin_scenario::BuildError::from)?;
     let (mut rows, mut resets_s, mut at_s) = (Vec::new(), Vec::new(), None);
@@ -112,7 +112,7 @@ pub fn pick_up(scenario: &Scenario, mode: &'static str) -> Result<PickupFlight, 
     })
 }
 
-/// Time from `at_s` until the estimate fits and goes on fitting; while the adapter is held in contact nothing fits.
+/// Time from `at_s` until the estimate fits and continues to fit, s; a tick with a frozen adapter does not count as fitting.
 fn recovery(rows: &[TickRecord], at_s: f64) -> Option<f64> {
     let mut since = None;
     for row in rows.iter().filter(|row| row.t_s >= at_s && row.t_s <= at_s + AFTER_S) {
@@ -128,7 +128,7 @@ fn recovery(rows: &[TickRecord], at_s: f64) -> Option<f64> {
     None
 }
 
-/// The flights of one scenario as pictures: innovation with the resets, and the estimate's vertical error.
+/// The flights of one scenario as pictures: innovation with resets, and the vertical error of the estimate.
 pub fn pictures(flights: &[PickupFlight]) -> Vec<Picture> {
     let Some(first) = flights.first() else { return Vec::new() };
     let picture = |what: &str, y: &str, value: fn(&TickRecord) -> f64| Picture {
@@ -156,7 +156,7 @@ fn curve(flown: &PickupFlight, value: fn(&TickRecord) -> f64) -> Curve {
     }
 }
 
-/// The change of the load, and the resets of the flight with the adapter on.
+/// Marks at the change of the load and at the resets of the flight with the adapter on.
 fn marks(flights: &[PickupFlight]) -> Vec<(f64, String)> {
     let resets = flights.iter().find(|flown| flown.mode == MODES[0].0).map(|flown| {
         let at_s = flown.at_s.unwrap_or(0.0);

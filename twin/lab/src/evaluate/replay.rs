@@ -1,4 +1,4 @@
-//! A recording's ticks through a predictor and its adapter in shadow, as [`twin_core::flight::Flight`] runs them: nothing acts.
+//! Replays a recording through a predictor and its adapter in shadow, in the order of [`twin_core::flight::Flight`], without control.
 //!
 //! Every figure is a priori: the forecast for `j` is `base_j + W'_{t-1} g'_t`, made before `r_t` was seen.
 
@@ -11,44 +11,44 @@ use super::series::{Series, Statistics};
 use twin_core::notation::{Coords, TICK_S};
 use twin_core::residual::{History, Predictor, lra};
 
-/// Ticks before this belong to the start: histories are filled, filters have settled, s.
+/// Ticks before this time belong to the start, while histories fill and filters settle, s.
 const FROM_S: f64 = 2.0;
 
-/// What is replayed.
+/// Predictor and adapter that are replayed.
 pub struct Entrant {
     /// Base forecast.
     pub predictor: Box<dyn Predictor>,
     /// Latent Residual Adapter.
     pub adapter: lra::Adapter,
-    /// Its settings.
+    /// Settings of the adapter.
     pub settings: lra::Settings,
-    /// Ticks of history.
+    /// Number of ticks of history.
     pub history_len: usize,
 }
 
-/// What came of a replay.
+/// Result of a replay.
 #[derive(Clone, Debug, Serialize)]
 pub struct Replayed {
-    /// Errors for `j = 0..=k`.
+    /// Errors at `j = 0..=k`.
     pub horizons: Vec<Horizon>,
     /// Mean of the norm of the innovation, in the adapter's units.
     pub innovation_norm_mean: f64,
     /// 99.9 % quantile of the norm of the smoothed innovation, which the reset threshold is compared with.
     pub innovation_mean_q999: f64,
-    /// Mean leverage `g'K`: the part of the newest residual that the adapter returns; 0 without an adapter.
+    /// Mean leverage `g'K`: the share of the newest residual's error that the adapter corrects; 0 without an adapter.
     pub leverage: f64,
-    /// Covariance resets.
+    /// Number of covariance resets.
     pub resets: u64,
     /// Time for one forecast with its adaptation, median, ms.
     pub inference_ms_p50: f64,
     /// The same, 99 % quantile, ms.
     pub inference_ms_p99: f64,
-    /// A-priori forecasts for now and for `k` ticks later, by tick: for pictures.
+    /// A-priori forecasts for this tick and for `k` ticks later, per tick, for pictures.
     #[serde(skip)]
     pub traces: Vec<[Coords; 2]>,
 }
 
-/// Runs `entrant` over `series`.
+/// Replays `series` through `entrant`.
 pub fn replay(entrant: &mut Entrant, series: &Series, statistics: &Statistics) -> Replayed {
     let mut history = History::new(entrant.history_len);
     let mut score = Score::new(statistics);
@@ -94,7 +94,7 @@ pub fn replay(entrant: &mut Entrant, series: &Series, statistics: &Statistics) -
     }
 }
 
-/// `g'K`: one step moves the estimate by this part of the error it had.
+/// `g'K`: the share of the estimate's error that one step of the adapter corrects.
 fn leverage(adapted: &twin_core::tick::Adapted, residual: &Coords) -> f64 {
     let before = residual - *adapted.r_hat_prior;
     let moved = *adapted.r_hat - *adapted.r_hat_prior;
@@ -107,7 +107,7 @@ fn now() -> Instant {
     Instant::now()
 }
 
-/// The value at `q` of the sorted values, NaN for none.
+/// The quantile `q` of the values; NaN if there are none. Sorts `values`.
 pub(super) fn quantile(values: &mut [f64], q: f64) -> f64 {
     values.sort_by(f64::total_cmp);
     let index = ((values.len() as f64 - 1.0) * q).round().max(0.0) as usize;

@@ -1,4 +1,4 @@
-//! Recordings as what a predictor is replayed on and scored against, and the statistics that z-score them.
+//! Recordings on which predictors are replayed and scored, and the statistics that z-score them.
 
 use std::path::{Path, PathBuf};
 
@@ -12,56 +12,56 @@ use twin_core::tick::{Adaptation, Tick};
 use twin_foreign::recorded_nominal_inertia;
 use twin_record::{RecordingError, read_recording};
 
-/// Why a table cannot be made.
+/// Reason why a table cannot be made.
 #[derive(Debug, thiserror::Error)]
 pub enum EvaluateError {
-    /// A recording.
+    /// A recording cannot be read.
     #[error(transparent)]
     Recording(#[from] RecordingError),
-    /// A recording that does not say which `M_bar` its residual was formed with.
+    /// A recording does not say with which `M_bar` its residual was formed.
     #[error("{}: it does not say which nominal inertia it was flown with; record it with this version", .0.display())]
     NoInertia(PathBuf),
-    /// Recordings whose residuals cannot be compared.
+    /// The residuals of two recordings cannot be compared.
     #[error("{}: M_bar is {found:?}, that of the other recordings {expected:?}", .path.display())]
     Inertia {
         /// The recording.
         path: PathBuf,
         /// Its `M_bar`.
         found: Vec<f64>,
-        /// That of the others.
+        /// `M_bar` of the other recordings.
         expected: Vec<f64>,
     },
-    /// A folder without recordings to learn from.
+    /// A folder contains no training recordings.
     #[error("{}: no recording collect_*.mcap in it; make some: twin collect --out {}", .0.display(), .0.display())]
     NoTraining(PathBuf),
-    /// A file of weights.
+    /// A file of weights is not usable.
     #[error("{}: {why}", .path.display())]
     Weights {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// Reason.
         why: WeightsError,
     },
-    /// A file.
+    /// A file cannot be read or written.
     #[error("{}: {why}", .path.display())]
     File {
         /// The file.
         path: PathBuf,
-        /// The system's words.
+        /// Error of the operating system.
         why: std::io::Error,
     },
-    /// A row that does not exist.
+    /// A line of the table does not exist.
     #[error("{name:?} is no row of the table; there are {known}")]
     UnknownRow {
-        /// As given.
+        /// Name that was given.
         name: String,
-        /// Those there are.
+        /// Existing names.
         known: String,
     },
     /// The vehicle of the recording cannot be built.
     #[error(transparent)]
     Scenario(#[from] twin_scenario::ScenarioError),
-    /// The same.
+    /// The flight cannot be built.
     #[error(transparent)]
     Build(#[from] twin_scenario::BuildError),
 }
@@ -75,11 +75,11 @@ pub struct ReplayTick {
     pub chi: Coords,
     /// Rates.
     pub chi_dot: Coords,
-    /// Applied force of this tick, N and N m.
+    /// Applied force at this tick, N and N m.
     pub tau: Coords,
-    /// Residual of this tick, N and N m.
+    /// Residual at this tick, N and N m.
     pub residual: Coords,
-    /// Its residual may be learned and scored: no contact, no fault.
+    /// True if the residual may be used for training and scoring: no contact, no fault.
     pub usable: bool,
 }
 
@@ -98,7 +98,7 @@ impl From<&Tick> for ReplayTick {
     }
 }
 
-/// Sha-256 of what is in `samples`, in hex.
+/// SHA-256 of `samples`, in hex.
 fn hash(samples: &[ReplayTick]) -> String {
     let mut hash = Sha256::new();
     for ReplayTick { t_s, chi, chi_dot, tau, residual, usable } in samples {
@@ -111,16 +111,16 @@ fn hash(samples: &[ReplayTick]) -> String {
     hash.finalize().iter().fold(String::new(), |text, byte| format!("{text}{byte:02x}"))
 }
 
-/// A flight.
+/// A recorded flight.
 #[derive(Clone, Debug)]
 pub struct Series {
     /// The recording.
     pub file: PathBuf,
-    /// Sha-256 of its ticks, in hex: the same for every recording of one flight, whatever its chunks.
+    /// SHA-256 of its ticks, in hex: equal for every recording of the same flight, however its chunks are cut.
     pub sha256: String,
     /// Seed of the flight.
     pub seed: String,
-    /// `M_bar` of its residual.
+    /// `M_bar` with which its residual was formed, kg and kg m².
     pub m_bar: Coords,
     /// Its ticks.
     pub samples: Vec<ReplayTick>,
@@ -130,7 +130,7 @@ impl Series {
     /// Reads a recording of this program.
     ///
     /// # Errors
-    /// [`EvaluateError`] if it cannot be read or does not say its `M_bar`.
+    /// [`EvaluateError`] if the recording cannot be read or does not say its `M_bar`.
     pub fn read(path: &Path) -> Result<Self, EvaluateError> {
         let recording = read_recording(path)?;
         let samples: Vec<ReplayTick> = recording.ticks.iter().map(ReplayTick::from).collect();
@@ -147,7 +147,7 @@ impl Series {
     /// The training recordings in `folder`, `collect_*.mcap` by name.
     ///
     /// # Errors
-    /// [`EvaluateError`] if there is none, one cannot be read, or they do not share one `M_bar`.
+    /// [`EvaluateError`] if the folder contains no recording, one cannot be read, or they differ in `M_bar`.
     pub fn read_training(folder: &Path) -> Result<Vec<Self>, EvaluateError> {
         let entries = std::fs::read_dir(folder).map_err(|why| match why.kind() {
             std::io::ErrorKind::NotFound => EvaluateError::NoTraining(folder.to_owned()),
@@ -169,10 +169,10 @@ impl Series {
         Ok(all)
     }
 
-    /// The residual was formed with the same `M_bar`.
+    /// Checks that both residuals were formed with the same `M_bar`.
     ///
     /// # Errors
-    /// [`EvaluateError::Inertia`] if not.
+    /// [`EvaluateError::Inertia`] if they differ.
     pub fn compare(&self, other: &Self) -> Result<(), EvaluateError> {
         if self.m_bar == other.m_bar {
             return Ok(());
@@ -186,21 +186,21 @@ impl Series {
 /// Means and standard deviations over the training flights.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Statistics {
-    /// Per input channel `chi`, `chi_dot`, `tau_{t-1}`.
+    /// Mean of each input channel `chi`, `chi_dot`, `tau_{t-1}`.
     pub input_mean: Vec<f64>,
-    /// Per input channel.
+    /// Standard deviation of each input channel.
     pub input_std: Vec<f64>,
-    /// Per row of the residual, N and N m.
+    /// Mean of the residual per coordinate, N and N m.
     pub output_mean: Coords,
-    /// Per row of the residual, N and N m.
+    /// Standard deviation of the residual per coordinate, N and N m.
     pub output_std: Coords,
 }
 
-/// A channel that moves less than this counts as constant.
+/// Standard deviation below which a channel counts as constant.
 const LEAST_STD: f64 = 1e-9;
 
 impl Statistics {
-    /// Of the usable ticks of `flights`.
+    /// Statistics over the usable ticks of `flights`.
     pub fn of(flights: &[Series]) -> Self {
         let mut rows: Vec<[f64; 4 * N]> = Vec::new();
         for flight in flights {

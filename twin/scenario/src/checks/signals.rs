@@ -1,4 +1,4 @@
-//! Numbers of a tick that a check may limit. Where the truth is known it counts, not the estimate.
+//! Signals of a tick that a check may limit. A signal uses the truth where it is known, otherwise the estimate.
 
 use twin_core::elementary::{acos, cos};
 use twin_core::notation::{Coords, tracking_error};

@@ -1,4 +1,4 @@
-//! Filtered signals of the supervisor, all from measurements: tip, its velocity, residual, cube.
+//! Filtered signals of the supervisor, all from measurements: tip position, tip velocity, residual and cube position.
 
 use nalgebra::{Vector2, Vector3};
 
@@ -11,7 +11,7 @@ const TIP_HZ: f64 = 3.2;
 const TIP_VELOCITY_HZ: f64 = 1.6;
 const SLOW_HZ: f64 = 0.16;
 
-/// How far the supervisor looks ahead with the tip's velocity, s: the fingers need 0.12 s and the plunge as much again.
+/// Time over which the supervisor extrapolates the tip's velocity, s: the fingers need 0.12 s and the plunge about as long.
 const LOOK_AHEAD_S: f64 = 0.2;
 
 /// The supervisor's view of hand and cube.
@@ -25,11 +25,11 @@ pub(super) struct Signals {
     pub(super) tip: Vector3<f64>,
     /// Tip velocity in the world, m/s.
     pub(super) velocity: Vector3<f64>,
-    /// Cube centre by motion capture, m; the last seen one if the cameras lost it.
+    /// Cube centre by motion capture, m; the last one seen while the cameras do not see the cube.
     pub(super) cube: Option<Vector3<f64>>,
     /// Measured residual.
     pub(super) r: Coords,
-    /// Measured residual, 1 s mean.
+    /// Mean of the measured residual over 1 s.
     pub(super) r_slow: Coords,
 }
 
@@ -50,12 +50,12 @@ impl Signals {
         if let Some(payload) = &m.payload {
             self.cube = Some(self.cube_filter.step(&payload.position_in_world, TIP_HZ, dt_s));
         }
-        // The task goes on with the residual that it saw last where none is known.
+        // The last known residual stands for an unknown one.
         self.r = view.residual.or(&self.r);
         self.r_slow = self.residual_filter.step(&self.r, SLOW_HZ, dt_s);
     }
 
-    /// Tip error against `target` now and a moment ahead, m.
+    /// Tip error against `target` now and [`LOOK_AHEAD_S`] later, m.
     pub(super) fn errors(&self, target: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
         let e = self.tip - target;
         (e, e + self.velocity * LOOK_AHEAD_S)
