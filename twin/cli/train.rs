@@ -217,9 +217,9 @@ fn flights(data: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
         let mut inside: Vec<PathBuf> = std::fs::read_dir(path)?
             .filter_map(|entry| Some(entry.ok()?.path()))
             .filter(|path| {
-                let name =
-                    path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into());
-                name.starts_with("collect_") && name.ends_with(".mcap")
+                let stem = path.file_stem().map(|stem| stem.to_string_lossy());
+                stem.is_some_and(|stem| stem.starts_with("collect_"))
+                    && path.extension().is_some_and(|extension| extension == "mcap")
             })
             .collect();
         inside.sort();
@@ -231,23 +231,14 @@ fn flights(data: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
     Ok(all)
 }
 
-/// Runs one training with its progress bar, picture and messages; returns its figures as JSON.
+/// Runs one training; a bar shows its steps, and a line each finished epoch.
 #[cfg(feature = "train")]
-fn one(
-    args: &TrainArgs,
+fn train_with_bar(
     data: &twin_lab::learn::Dataset,
-    job: &Job,
-) -> anyhow::Result<serde_json::Value> {
-    use std::ops::ControlFlow;
-    use twin_lab::learn::train::{Progress, Request, train};
-    let (bar, mut words) = (bar(&job.config), String::new());
-    let request = Request {
-        config: &job.config,
-        seed: args.seed,
-        resume: args.resume,
-        out: &job.out,
-        git: twin_record::program::commit(),
-    };
+    request: &twin_lab::learn::train::Request<'_>,
+) -> anyhow::Result<twin_lab::learn::train::Outcome> {
+    use twin_lab::learn::train::{Progress, train};
+    let (bar, mut words) = (bar(request.config), String::new());
     let mut observe = |progress: Progress| {
         let per_epoch = progress.steps.1 as u64;
         if let Some(record) = progress.finished {
@@ -260,14 +251,32 @@ fn one(
             });
             words = line;
         } else {
-            bar.set_length(per_epoch * job.config.epochs as u64);
+            bar.set_length(per_epoch * request.config.epochs as u64);
             bar.set_position((progress.epoch as u64 - 1) * per_epoch + progress.steps.0 as u64);
             bar.set_message(format!("loss {:.4}  {words}", progress.loss));
         }
-        ControlFlow::Continue(())
+        std::ops::ControlFlow::Continue(())
     };
-    let outcome = train(data, &request, &mut observe)?;
+    let outcome = train(data, request, &mut observe)?;
     bar.finish_and_clear();
+    Ok(outcome)
+}
+
+/// Runs one training with its progress bar, picture and messages; returns its figures as JSON.
+#[cfg(feature = "train")]
+fn one(
+    args: &TrainArgs,
+    data: &twin_lab::learn::Dataset,
+    job: &Job,
+) -> anyhow::Result<serde_json::Value> {
+    let request = twin_lab::learn::train::Request {
+        config: &job.config,
+        seed: args.seed,
+        resume: args.resume,
+        out: &job.out,
+        git: twin_record::program::commit(),
+    };
+    let outcome = train_with_bar(data, &request)?;
     let training = &outcome.head.training;
     let title = format!(
         "{}, {} parameters, seed {}, data {}",

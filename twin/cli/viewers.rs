@@ -30,6 +30,10 @@ enum ViewersCommand {
     },
 }
 
+/// Unpacks members of a zip file into the folder `wheel`: `python3 -c UNPACK FILE MEMBER…`.
+const UNPACK: &str = "import sys, zipfile\n\
+                      zipfile.ZipFile(sys.argv[1]).extractall('wheel', sys.argv[2:])";
+
 /// `twin/viewers` in the user's cache folder; `None` if there is no such folder.
 pub(super) fn default_folder() -> Option<PathBuf> {
     let set = |name| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
@@ -80,7 +84,9 @@ fn fetch_into(wheel: &Wheel, folder: &Path, work: &Path) -> anyhow::Result<()> {
     let file = work.join(wheel.file_name());
     let bytes = std::fs::read(&file).with_context(|| format!("pip left no {}", file.display()))?;
     check(wheel, &bytes)?;
-    python(&["-m", "zipfile", "-e", &wheel.file_name(), "wheel"], work)
+    // Only the files that are kept: a whole wheel takes up to 200 MB.
+    let kept: Vec<&str> = wheel.files.iter().map(|(path, _)| *path).collect();
+    python(&[&["-c", UNPACK, &wheel.file_name()], &kept[..]].concat(), work)
         .context("the wheel could not be unpacked")?;
     let target = folder.join(wheel.folder());
     std::fs::create_dir_all(&target)

@@ -24,7 +24,7 @@ const PARITY: f32 = 1e-5;
 fn folder(name: &str) -> PathBuf {
     let folder = std::env::temp_dir().join(format!("twin-train-{name}-{}", std::process::id()));
     let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::create_dir_all(&folder).expect("a folder for temporary files");
     folder
 }
 
@@ -116,12 +116,13 @@ fn a_loss_that_is_no_number_ends_the_training_and_leaves_the_checkpoint() {
 /// A file of weights after one epoch, and a batch of its windows with the forecast that burn gives.
 fn untrained(config: &TrainConfig) -> (Weights, Windows, Vec<f32>, Vec<f32>) {
     let data = dataset(2, 300);
-    let windows = Windows::new(&data, config).unwrap();
+    let windows = Windows::new(&data, config).expect("flights long enough");
     let out = folder(&format!("parity-{}", config.model.name())).join("w.safetensors");
     // One epoch at a rate that changes every tensor.
     run(&data, &TrainConfig { epochs: 1, learning_rate: 1e-2, ..config.clone() }, &out, false, 9)
-        .unwrap();
-    let read = Weights::from_bytes(&std::fs::read(&out).unwrap()).unwrap();
+        .expect("a training of one epoch");
+    let bytes = std::fs::read(&out).expect("the file that the training wrote");
+    let read = Weights::from_bytes(&bytes).expect("weights as the training writes them");
     let parameters = Parameters(
         read.tensors
             .iter()

@@ -1,5 +1,5 @@
 //! Causal Transformer over time. Vaswani et al., Attention Is All You Need, Advances in Neural Information Processing Systems
-//! 30, 2017: one token per tick, sinusoidal positions, layer normalisation after each sum, ReLU. The last token is read.
+//! 30, 2017: one token per tick, sinusoidal positions, layer normalisation after each sum, `ReLU`. The last token is read.
 
 use burn_tensor::Tensor;
 use burn_tensor::activation::relu;
