@@ -52,6 +52,21 @@ fn refused(arguments: &[&str], wanted: &[&str]) {
 /// Name, text of the scenario, and the texts that its error must contain.
 const BAD_SCENARIOS: &[(&str, &str, &[&str])] = &[
     (
+        "no_rotors",
+        "[vehicle]\nurdf = \"URDF\"\nrotors = []\n",
+        &["vehicle.rotors", "0 rotors", "3 to"],
+    ),
+    (
+        "wide_features",
+        "[predictor]\nfeatures = 100000\n",
+        &[":2", "predictor.features", "100000", "1024"],
+    ),
+    (
+        "unknown_effect",
+        "[[disturbances]]\nat_s = 1.0\nkind = \"effect\"\nname = \"rain\"\non = false\n",
+        &["disturbances.0.name", "rain", "downwash"],
+    ),
+    (
         "unknown_key",
         "title = \"x\"\n[payload]\nmas_kg = 0.3\n",
         &[":3", "payload.mas_kg", "mass_kg"],

@@ -7,11 +7,12 @@
 mod schedule;
 mod parts;
 mod stand_ins;
+mod inner_guard;
 
 pub use parts::{Parts, Stage};
 pub use schedule::{Condition, Trigger};
 
-use crate::control::{InnerController, Input};
+use crate::control::Input;
 use crate::notation::{Coords, KnownCoords, MAX_ROTORS, TICK_S};
 use crate::residual::{History, Predictor, label};
 use crate::source::Disturbance;
@@ -21,6 +22,7 @@ use crate::tick::{
     Measurement, Reference, Setpoint, Tick,
 };
 use crate::tuning::Tuning;
+use inner_guard::InnerGuard;
 use schedule::Schedule;
 use stand_ins::StandIns;
 
@@ -128,10 +130,11 @@ impl Flight {
             self.disturb(&disturbance);
         }
         // Line 2: measure. The inner controller runs inside the source.
-        let mut inner = LoggedInnerLoop { inner: &mut self.parts.inner, last: self.actuators };
+        let mut inner = InnerGuard::new(&mut self.parts.inner, self.actuators);
         let measured = self.parts.source.advance(&self.setpoint, &mut inner);
-        self.actuators = inner.last;
-        let measurement = self.check(measured);
+        let commands_finite = inner.all_finite();
+        self.actuators = inner.last();
+        let measurement = self.check(measured, commands_finite);
         done(Stage::Source);
         let residual = label::residual(&measurement, &self.parts.tuning.gains.nominal_inertia);
         let step = self
@@ -200,13 +203,16 @@ impl Flight {
         Outer { residual, forecast, adapted, control }
     }
 
-    /// Replaces a non-finite measurement by the last finite one and sets a fault.
-    fn check(&mut self, measured: Measurement) -> Measurement {
+    /// Replaces a non-finite measurement by the last finite one. Sets a fault for it, and for commands of the inner controller that were
+    /// not finite.
+    fn check(&mut self, measured: Measurement, commands_finite: bool) -> Measurement {
         let finite = [&measured.chi, &measured.chi_dot, &measured.chi_ddot, &measured.tau_applied]
             .iter()
             .all(|v| v.is_finite());
         let fault = if !finite {
             Some(Fault::NonFiniteMeasurement)
+        } else if !commands_finite {
+            Some(Fault::NonFiniteCommand)
         } else if measured.chi[4].abs() > PITCH_LIMIT_RAD {
             Some(Fault::PitchBeyondRange)
         } else {
@@ -238,6 +244,9 @@ impl Flight {
             let text = match fault {
                 Some(Fault::NonFiniteMeasurement) => {
                     "a measurement is not finite: the last one is held"
+                }
+                Some(Fault::NonFiniteCommand) => {
+                    "a command of attitude and joints is not finite: the last one is held"
                 }
                 Some(Fault::NonFinitePrediction) => {
                     "the prediction is not finite: nominal gravity is used"
@@ -272,11 +281,7 @@ impl Flight {
 
     /// Passes a set-point to the inner controller only if it is finite.
     fn accept(&mut self, setpoint: &Setpoint) {
-        let finite =
-            setpoint.force_in_world_n.iter().chain(setpoint.r_hat.iter()).all(|x| x.is_finite())
-                && setpoint.yaw_des.iter().all(|x| x.is_finite())
-                && setpoint.joint_des.iter().all(|x| x.is_finite());
-        if finite {
+        if setpoint.is_finite() {
             self.setpoint = *setpoint;
         }
     }
@@ -345,23 +350,6 @@ impl Outer {
 /// finite. N and N m.
 fn usable(adapted: &Adapted, nominal_gravity: &Coords) -> Coords {
     if adapted.r_hat.is_finite() { adapted.r_hat.or(nominal_gravity) } else { *nominal_gravity }
-}
-
-/// Runs the inner controller and remembers its last command.
-struct LoggedInnerLoop<'a> {
-    inner: &'a mut InnerController,
-    last: ActuatorCommand,
-}
-
-impl crate::source::InnerLoop for LoggedInnerLoop<'_> {
-    fn command(
-        &mut self,
-        setpoint: &Setpoint,
-        state: &crate::source::InnerState,
-    ) -> ActuatorCommand {
-        self.last = self.inner.command(setpoint, state);
-        self.last
-    }
 }
 
 /// FNV-1a, 64 bit.

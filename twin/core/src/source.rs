@@ -20,6 +20,14 @@ pub struct InnerState {
     pub joint_dot: Vector2<f64>,
 }
 
+impl InnerState {
+    /// True if every angle and rate is finite.
+    pub fn is_finite(&self) -> bool {
+        let attitude = self.eta.iter().chain(&self.eta_dot);
+        attitude.chain(self.joint.iter()).chain(&self.joint_dot).all(|x| x.is_finite())
+    }
+}
+
 /// The inner controller with allocation: pure; the source calls it every `inner_period_s`.
 pub trait InnerLoop {
     /// The actuator command for this state; total, never fails, finite for finite input.
@@ -88,6 +96,9 @@ pub trait Source {
     fn disturb(&mut self, disturbance: &Disturbance);
 }
 
+/// Names of the aerodynamic effects that [`Disturbance::Effect`] switches.
+pub const EFFECTS: [&str; 5] = ["rotor_drag", "body_drag", "ground_effect", "downwash", "wind"];
+
 /// A change of the world between two ticks.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case", tag = "kind")]
@@ -113,7 +124,7 @@ pub enum Disturbance {
     DropPayload,
     /// Switches one aerodynamic effect on or off.
     Effect {
-        /// `rotor_drag`, `body_drag`, `ground_effect`, `downwash` or `wind`.
+        /// One of [`EFFECTS`].
         name: String,
         /// True switches it on.
         on: bool,

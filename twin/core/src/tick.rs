@@ -229,6 +229,16 @@ pub struct Setpoint {
     pub gripper: GripperCommand,
 }
 
+impl Setpoint {
+    /// True if every number that is not a gain is finite.
+    pub fn is_finite(&self) -> bool {
+        let joints = [&self.joint_des, &self.joint_des_dot, &self.joint_des_ddot];
+        let vectors = self.force_in_world_n.iter().chain(&self.r_hat).chain(&self.yaw_des);
+        let scalars = [&self.sliding_norm, &self.robust_gain];
+        vectors.chain(joints.into_iter().flatten()).chain(scalars).all(|x| x.is_finite())
+    }
+}
+
 /// Control law of attitude and joints.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -266,6 +276,13 @@ pub struct ActuatorCommand {
     pub saturated: bool,
 }
 
+impl ActuatorCommand {
+    /// True if every thrust and torque is finite.
+    pub fn is_finite(&self) -> bool {
+        self.rotor_thrust_n.iter().chain(self.joint_torque_n_m.iter()).all(|x| x.is_finite())
+    }
+}
+
 /// Internal values of the controller, for an operator.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ControlState {
@@ -283,6 +300,8 @@ pub struct ControlState {
 pub enum Fault {
     /// A measurement was not finite: the last measurement stays in force.
     NonFiniteMeasurement,
+    /// The attitude and joint rows had a non-finite state or command: their last command stays in force.
+    NonFiniteCommand,
     /// The predictor or adapter returned a non-finite value: the nominal residual is used.
     NonFinitePrediction,
     /// `|theta| > 80°`: Euler angles are near their singularity.

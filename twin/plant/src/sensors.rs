@@ -181,7 +181,6 @@ impl Sensors {
         state: &KinematicState,
     ) -> (Vector2<f64>, Vector2<f64>, bool) {
         let s = self.settings;
-        let quantise = |x: f64, step: f64| (x / step).round() * step;
         let angle_step = std::f64::consts::TAU / s.encoder_counts;
         self.encoder_phase += s.joint_velocity_hz * self.dt_s;
         let due = self.encoder_phase >= 1.0;
@@ -200,6 +199,27 @@ impl Sensors {
     }
 }
 
+/// The multiple of `step` nearest to `x`; `x` itself if the step is zero, because an ideal sensor resolves everything.
+fn quantise(x: f64, step: f64) -> f64 {
+    let steps = (x / step).round();
+    if steps.is_finite() { steps * step } else { x }
+}
+
 fn normal(rng: &mut Pcg64) -> f64 {
     StandardNormal.sample(rng)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::quantise;
+
+    #[test]
+    fn a_reading_is_a_multiple_of_the_step_and_exact_without_one() {
+        assert_eq!(quantise(0.26, 0.1), 0.1 * 3.0);
+        for x in [0.0, -1.3, f64::MIN_POSITIVE] {
+            assert_eq!(quantise(x, 0.0).to_bits(), x.to_bits());
+            // So small a step that their ratio overflows.
+            assert_eq!(quantise(x, f64::MIN_POSITIVE / 4.0), x);
+        }
+    }
 }

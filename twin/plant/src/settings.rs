@@ -2,6 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::PlantError;
+use twin_core::notation::MAX_ROTORS;
+
 /// Every setting of the simulated source.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -44,6 +47,19 @@ pub struct VehicleSettings {
     pub rotor: RotorSettings,
     /// The gripper.
     pub gripper: GripperSettings,
+}
+
+impl VehicleSettings {
+    /// Checks that the vehicle has as many rotors as the allocation can use.
+    ///
+    /// # Errors
+    /// [`PlantError::Rotors`] for fewer than three rotors, or more than [`MAX_ROTORS`].
+    pub fn check_rotors(&self) -> Result<(), PlantError> {
+        match self.rotors.len() {
+            3..=MAX_ROTORS => Ok(()),
+            found => Err(PlantError::Rotors { found, max: MAX_ROTORS }),
+        }
+    }
 }
 
 /// One rotor.

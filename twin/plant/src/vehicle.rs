@@ -79,9 +79,7 @@ impl SimulatedVehicle {
         seed: u64,
     ) -> Result<Self, PlantError> {
         let vehicle = &settings.vehicle;
-        if vehicle.rotors.len() < 3 || vehicle.rotors.len() > MAX_ROTORS {
-            return Err(PlantError::Rotors { found: vehicle.rotors.len(), max: MAX_ROTORS });
-        }
+        vehicle.check_rotors()?;
         let mut rng = Pcg64::seed_from_u64(seed);
         let BuiltWorld { world, articulation, arm, gripper, arena } =
             rig(&robot, objects, &settings, start, &mut rng)?;

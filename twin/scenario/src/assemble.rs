@@ -74,6 +74,7 @@ pub(super) fn packages(scenario: &Scenario) -> Result<Vec<(String, PathBuf)>, Bu
 /// The parts of a scenario's flight.
 pub(super) fn parts(scenario: &Scenario) -> Result<Parts, BuildError> {
     let settings = &scenario.settings;
+    settings.vehicle.check_rotors()?;
     let Models { robot, objects } = models(scenario)?;
     let arm_joints = arm_joints(settings, &robot)?;
     let arm = arm(settings, &robot, &arm_joints)?;

@@ -1,15 +1,15 @@
-//! Validates the demands of a scenario on its flight, and lists the events that the flight must be checked for.
+//! Validates the changes that a scenario makes and the demands it has on its flight, and lists the events that the flight must be checked for.
 
 use super::checks::{self, CheckError, EventCheck};
-use super::settings::{ScheduledFailure, Settings};
+use super::settings::{Scheduled, ScheduledFailure, Settings};
 use super::{golden, sweep};
-use twin_core::source::Failure;
+use twin_core::source::{Disturbance, EFFECTS, Failure};
 use twin_core::tick::EventKind;
 
-/// Refuses demands that could never be judged or could never fail.
+/// Refuses demands that could never be judged or could never fail, and changes that would change nothing.
 ///
 /// # Errors
-/// [`CheckError`] with the key of the first such demand.
+/// [`CheckError`] with the key of the first of them.
 pub(super) fn validate(settings: &Settings) -> Result<(), CheckError> {
     checks::validate(&settings.checks)?;
     if let Some(sweep) = &settings.sweep {
@@ -18,8 +18,21 @@ pub(super) fn validate(settings: &Settings) -> Result<(), CheckError> {
     if let Some(golden) = &settings.golden {
         golden::validate(golden)?;
     }
+    disturbances(&settings.disturbances)?;
     faults(&settings.faults)?;
     checks::validate_events(&settings.expect.events)
+}
+
+fn disturbances(disturbances: &[Scheduled]) -> Result<(), CheckError> {
+    for (index, scheduled) in disturbances.iter().enumerate() {
+        if let Disturbance::Effect { name, .. } = &scheduled.disturbance
+            && !EFFECTS.contains(&name.as_str())
+        {
+            let reason = format!("found {name:?}; expected one of {}", EFFECTS.join(", "));
+            return Err(CheckError { key: format!("disturbances.{index}.name"), reason });
+        }
+    }
+    Ok(())
 }
 
 fn faults(faults: &[ScheduledFailure]) -> Result<(), CheckError> {

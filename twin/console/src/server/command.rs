@@ -3,13 +3,9 @@
 use crate::server::gains::{self, Change};
 use crate::server::protocol::{ClientMessage, PresetName, ScenarioInfo};
 use twin_core::quantity::{self, OutOfRange};
-use twin_core::source::Disturbance;
+use twin_core::source::{Disturbance, EFFECTS};
 use twin_core::tuning::{Tuning, TuningError};
 use twin_scenario::Preset;
-
-/// Effects that can be switched.
-pub(super) const EFFECTS: [&str; 5] =
-    ["rotor_drag", "body_drag", "ground_effect", "downwash", "wind"];
 
 /// A command that the flight executes between two ticks.
 #[derive(Clone, Debug, PartialEq)]

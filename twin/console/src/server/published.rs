@@ -3,7 +3,6 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use crate::server::command::EFFECTS;
 use crate::server::pace::Lateness;
 use crate::server::protocol::{
     ChannelInfo, EVENTS_KEPT, EventInfo, GainInfo, Hello, MirrorInfo, PROTOCOL_VERSION, PresetName,
@@ -12,6 +11,7 @@ use crate::server::protocol::{
 use crate::server::quantity_info;
 use twin_core::notation::TICK_S;
 use twin_core::residual::HORIZON;
+use twin_core::source::EFFECTS;
 use twin_record::scene::Scene;
 
 /// The description of the flight in its current state.

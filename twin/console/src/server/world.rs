@@ -1,8 +1,8 @@
 //! Keeps the payload, the wind and the aerodynamic effects of one flight as the scenario and operators last set them.
 
-use crate::server::command::EFFECTS;
 use crate::server::protocol::StateInfo;
 use twin_core::source::Disturbance;
+use twin_core::source::EFFECTS;
 use twin_scenario::Settings;
 
 /// The world as the scenario and operators last set it.

@@ -13,6 +13,9 @@ pub struct Rotor {
     pub torque_per_thrust_m: f64,
 }
 
+/// Singular values of the mixing matrix below this are taken for zero.
+const SINGULAR: f64 = 1e-12;
+
 /// Pseudo-inverse of the mixing matrix and the thrust limits.
 #[derive(Clone, Debug)]
 pub struct Allocation {
@@ -23,20 +26,27 @@ pub struct Allocation {
 }
 
 impl Allocation {
-    /// An allocation for rotors that push along body z, with thrust limits in N. Rotors beyond [`MAX_ROTORS`] are ignored.
+    /// An allocation for rotors that push along body z, with thrust limits in N, the lower one below the upper one. Rotors beyond
+    /// [`MAX_ROTORS`] are ignored.
     pub fn new(rotors: &[Rotor], min_n: f64, max_n: f64) -> Self {
         let n = rotors.len().min(MAX_ROTORS);
         let mixing = DMatrix::from_fn(4, n, |row, i| {
             let p = rotors[i].position_in_body;
             [1.0, p.y, -p.x, rotors[i].torque_per_thrust_m][row]
         });
-        let inverse = mixing.pseudo_inverse(1e-12).unwrap_or_else(|_| DMatrix::zeros(n, 4));
+        // Without rotors there is no matrix to invert.
+        let inverse = if n == 0 { None } else { mixing.pseudo_inverse(SINGULAR).ok() };
+        let inverse = inverse.unwrap_or_else(|| DMatrix::zeros(n, 4));
         Self { n, inverse, min_n, max_n }
     }
 
-    /// Rotor thrusts (N) for a collective thrust and a body moment. The second value is true if the demand did not fit. Roll and
+    /// Rotor thrusts (N) for a collective thrust and a body moment; NaN in both for a demand that is not finite. The second value is true if the demand did not fit. Roll and
     /// pitch then keep their moment as long as possible, the collective thrust moves to make room, and yaw gets the rest.
     pub fn allocate(&self, thrust_n: f64, moment_n_m: &Vector3<f64>) -> (PerRotor, bool) {
+        if self.n == 0 || !(thrust_n.is_finite() && moment_n_m.iter().all(|x| x.is_finite())) {
+            let each = if self.n == 0 { 0.0 } else { f64::NAN };
+            return ([each; MAX_ROTORS], true);
+        }
         let column = |axis: usize, value: f64| self.inverse.column(axis) * value;
         let tilt = column(1, moment_n_m.x) + column(2, moment_n_m.y);
         let lift = column(0, 1.0);

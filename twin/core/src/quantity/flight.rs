@@ -61,14 +61,16 @@ pub(super) static ALL: &[Quantity] = &[
     Quantity::new(
         "features",
         "",
-        [1.0, 4096.0],
+        // The adapter's covariance has features² numbers, which every tick of 10 ms updates.
+        [1.0, 1024.0],
         "width of the regime of random features",
         &["predictor.features"],
     ),
     Quantity::new(
         "inner_rate",
         "Hz",
-        [1.0, 1000.0],
+        // The command filter of the attitude, 15 rad/s, needs several steps per period.
+        [50.0, 1000.0],
         "rate of the inner rows",
         &["controller.inner_hz"],
     ),

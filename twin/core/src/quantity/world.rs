@@ -202,12 +202,14 @@ pub(super) static ALL: &[Quantity] = &[
         &["wind.scale_m"],
     ),
     // Sensors and contact.
+    Quantity::new("sensor_rate", "Hz", [0.1, 1000.0], "rate of a sensor", &["sensors.*_hz"]),
+    // A digital low-pass has its corner below half its rate, which is 1000 Hz.
     Quantity::new(
-        "sensor_rate",
+        "gyro_corner",
         "Hz",
-        [0.1, 1000.0],
-        "rate or corner of a sensor",
-        &["sensors.*_hz"],
+        [0.1, 450.0],
+        "corner of the gyro's low-pass",
+        &["sensors.gyro_corner_hz"],
     ),
     Quantity::new(
         "mocap_latency",
