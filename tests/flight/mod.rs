@@ -5,3 +5,4 @@ mod faults;
 mod flown;
 mod missions;
 mod repeatable;
+mod verdicts;

@@ -8,8 +8,10 @@ mod schedule;
 mod parts;
 mod stand_ins;
 mod inner_guard;
+mod saturation;
 
 pub use parts::{Parts, Stage};
+pub use saturation::LONG_S as LONG_SATURATION_S;
 pub use schedule::{Condition, Trigger};
 
 use crate::control::Input;
@@ -23,6 +25,7 @@ use crate::tick::{
 };
 use crate::tuning::Tuning;
 use inner_guard::InnerGuard;
+use saturation::SaturationWatch;
 use schedule::Schedule;
 use stand_ins::StandIns;
 
@@ -41,6 +44,7 @@ pub struct Flight {
     actuators: ActuatorCommand,
     fault: Option<Fault>,
     notes: Vec<Event>,
+    saturation: SaturationWatch,
     hash: u64,
     outer: Option<Outer>,
     /// Residual after a release that the outer loop has not yet processed, N and N m.
@@ -65,6 +69,7 @@ impl Flight {
             },
             fault: None,
             notes: Vec::new(),
+            saturation: SaturationWatch::default(),
             hash: FNV_OFFSET,
             outer: None,
             release: None,
@@ -290,6 +295,7 @@ impl Flight {
         let Outer { residual, forecast, adapted, control } = outer;
         let mut events = std::mem::take(&mut self.notes);
         events.extend(step.events);
+        events.extend(self.saturation.step(measurement.saturated));
         if adapted.reset {
             let text = format!(
                 "covariance reset: mean innovation {:.3} exceeded {:.3}",

@@ -328,6 +328,8 @@ pub enum EventKind {
     Disturbance,
     /// A fault began or ended.
     Fault,
+    /// The rotors were saturated for long.
+    Saturation,
     /// The flight ended.
     Verdict,
 }

@@ -128,7 +128,9 @@ pub fn log_line(t_s: f64, kind: EventKind, text: &str) -> Log {
         timestamp: Some(timestamp(t_s)),
         level: match kind {
             EventKind::Fault => log::Level::Error,
-            EventKind::Retry | EventKind::Disturbance => log::Level::Warning,
+            EventKind::Retry | EventKind::Disturbance | EventKind::Saturation => {
+                log::Level::Warning
+            }
             _ => log::Level::Info,
         } as i32,
         message: text.to_owned(),

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// The task is done: the payload rests upright at its place.
+    /// The task is done: the payload rests upright at its place, or the vehicle followed its reference in the air.
     Completed,
     /// The time ran out.
     TimedOut,
@@ -14,6 +14,10 @@ pub enum Verdict {
     Dropped,
     /// The payload was put down at the wrong place or in the wrong pose.
     Misplaced,
+    /// The vehicle ended its hover, path or way-points on a surface.
+    Grounded,
+    /// The vehicle ended its hover, path or way-points too far from its reference.
+    OffCourse,
     /// The vehicle hit something or tipped over.
     Crashed,
     /// The vehicle left the arena.
@@ -32,6 +36,8 @@ impl std::fmt::Display for Verdict {
             Self::TimedOut => "timed_out",
             Self::Dropped => "dropped",
             Self::Misplaced => "misplaced",
+            Self::Grounded => "grounded",
+            Self::OffCourse => "off_course",
             Self::Crashed => "crashed",
             Self::FlewAway => "flew_away",
             Self::GaveUp => "gave_up",
@@ -50,6 +56,8 @@ pub struct VerdictSettings {
     pub crash_n: f64,
     /// The vehicle has tipped over if its tilt exceeds this, rad.
     pub tipped_rad: f64,
+    /// A hover, a path or way-points are completed if the position error, as its root mean square, is at most this, m.
+    pub error_m: f64,
     /// The payload is lost if it has moved this far in the palm, m.
     pub lost_m: f64,
     /// A payload is placed if its horizontal distance from its place is below this, m.

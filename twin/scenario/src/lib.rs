@@ -13,6 +13,7 @@ mod document;
 mod merge;
 pub mod file;
 mod demands;
+mod course;
 pub mod verdict;
 pub mod metrics;
 mod failures;

@@ -8,13 +8,11 @@ use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
 
+use super::course::FROM_S;
 use twin_core::elementary::{acos, cos, squared};
 use twin_core::notation::{COORDINATE_NAMES, Coords, N, tracking_error};
 use twin_core::residual::NOMINAL_SCALE;
 use twin_core::tick::{EventKind, Tick};
-
-/// Errors before this time belong to the start and are left out, s.
-const FROM_S: f64 = 2.0;
 
 /// Root of a mean of squares.
 #[derive(Clone, Copy, Debug, Default)]

@@ -1,5 +1,6 @@
 //! Decides when a flight ends, with its verdict and a sentence for the reason.
 
+use super::course::Course;
 pub use super::ending::{Verdict, VerdictSettings};
 use super::settings::{Settings, TaskKind};
 use twin_core::elementary::{acos, cos};
@@ -12,6 +13,7 @@ pub struct Judge {
     time_limit_s: f64,
     task: TaskKind,
     place: nalgebra::Vector3<f64>,
+    course: Course,
     payload_in_palm: Option<nalgebra::Vector3<f64>>,
 }
 
@@ -23,12 +25,18 @@ impl Judge {
             time_limit_s: settings.time_limit_s,
             task: settings.task.kind,
             place: settings.task.place_position_m.into(),
+            course: Course::default(),
             payload_in_palm: None,
         }
     }
 
-    /// The verdict and its reason once the flight is over.
+    /// The verdict and its reason once the flight is over. The reason also says for how long the rotors were saturated, if that was long.
     pub fn watch(&mut self, tick: &Tick) -> Option<(Verdict, String)> {
+        let (verdict, reason) = self.ended(tick)?;
+        Some((verdict, reason + &self.course.saturation()))
+    }
+
+    fn ended(&mut self, tick: &Tick) -> Option<(Verdict, String)> {
         let t_s = tick.measurement.t_s;
         let Some(truth) = &tick.truth else {
             return tick.finished.then(|| (Verdict::Completed, "the recording ended".to_owned()));
@@ -40,6 +48,7 @@ impl Judge {
                 format!("the state became non-finite at {t_s:.2} s"),
             ));
         }
+        self.course.add(tick, truth);
         if let Some(end) =
             lost_vehicle(&self.limits, tick, truth).or_else(|| self.lost_payload(tick, truth))
         {
@@ -81,16 +90,28 @@ impl Judge {
     }
 
     fn finished(&self, truth: &twin_core::tick::Truth, t_s: f64) -> (Verdict, String) {
-        match self.task {
-            TaskKind::Hover => return (Verdict::Completed, format!("hovered for {t_s:.1} s")),
-            TaskKind::Path => {
-                return (Verdict::Completed, format!("followed the path in {t_s:.1} s"));
-            }
-            TaskKind::Excitation => {
-                return (Verdict::Completed, format!("flew way-points for {t_s:.1} s"));
-            }
-            TaskKind::PickPlace => {}
+        let flown = match self.task {
+            TaskKind::Hover => "hovered for",
+            TaskKind::Path => "followed the path in",
+            TaskKind::Excitation => "flew way-points for",
+            TaskKind::PickPlace => return self.placed(truth),
+        };
+        let (error_m, bound_m) = (self.course.error_m(), self.limits.error_m);
+        let found = format!("position RMSE {error_m:.3} m, allowed {bound_m} m");
+        if self.course.rests() {
+            let reason = format!("the vehicle rests on a surface after {t_s:.1} s; {found}");
+            (Verdict::Grounded, reason)
+        } else if error_m <= bound_m {
+            (Verdict::Completed, format!("{flown} {t_s:.1} s; {found}"))
+        } else {
+            (
+                Verdict::OffCourse,
+                format!("the vehicle strayed from its reference in {t_s:.1} s; {found}"),
+            )
         }
+    }
+
+    fn placed(&self, truth: &twin_core::tick::Truth) -> (Verdict, String) {
         let error_m = (truth.payload_position - self.place).xy().norm();
         let height_m = (truth.payload_position.z - self.place.z).abs();
         let found = format!(

@@ -23,6 +23,7 @@ export const EVENT_KINDS: EventKind[] = [
   { kind: "gain", icon: "◆", label: "gain", dash: [2, 6], weight: 2 },
   { kind: "disturbance", icon: "≈", label: "disturbance", tone: "warn", dash: [8, 3], weight: 6 },
   { kind: "fault", icon: "▲", label: "fault", tone: "bad", dash: [], weight: 9 },
+  { kind: "saturation", icon: "⊤", label: "saturation", tone: "warn", dash: [8, 3, 2, 3], weight: 6 },
   { kind: "verdict", icon: "■", label: "verdict", dash: [], weight: 8 },
 ];
 

@@ -210,6 +210,13 @@ pub(super) static ALL: &[Quantity] = &[
         &["verdict.tipped_rad"],
     ),
     Quantity::new(
+        "tracking_bound",
+        "m",
+        [0.001, 100.0],
+        "a hover or path with a larger position error is not completed",
+        &["verdict.error_m"],
+    ),
+    Quantity::new(
         "payload_lost",
         "m",
         [0.001, 1.0],
