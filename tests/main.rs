@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod circles;
+mod draws;
 mod fdt;
 mod flight;
 mod harness;
