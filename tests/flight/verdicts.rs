@@ -18,7 +18,8 @@ fn told(ticks: &[Tick], kind: EventKind) -> Vec<f64> {
 
 #[test]
 fn a_hover_on_the_floor_is_not_completed() {
-    let low = ["task.start_position_m=[0.0, 0.0, 0.2]", WEAK];
+    // It falls by a hand's breadth; that is not the question here.
+    let low = ["task.start_position_m=[0.0, 0.0, 0.2]", WEAK, "verdict.crash_n=1000.0"];
     let (report, ticks) = flown(&scenario("quadrotor", &[&HOVER[..], &low].concat()));
     assert_eq!(report.verdict, Verdict::Grounded, "{}", report.reason);
     for part in ["rests on a surface", "position RMSE", "allowed 0.5 m", "rotors saturated for"] {
