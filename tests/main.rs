@@ -7,6 +7,7 @@ mod flight;
 mod harness;
 mod layers;
 mod mirror;
+mod outputs;
 mod patience;
 mod plant;
 mod reading;

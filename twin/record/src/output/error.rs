@@ -71,7 +71,7 @@ impl OutputError {
             std::io::ErrorKind::NotFound => "make the folder first, or choose another",
             _ => "choose a folder that takes new files",
         };
-        let folder = super::place::folder(path);
+        let folder = super::folder(path);
         let found = format!("the folder {} takes no file: {why}", folder.display());
         Self::Unfit { path: path.to_owned(), flag, found, remedy }
     }

@@ -15,19 +15,22 @@ mod place;
 mod part;
 mod stdout;
 mod recording_file;
+mod sink;
+mod owned;
 
 use std::collections::BTreeMap;
-use std::fs::{File, OpenOptions};
-use std::io::{BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 pub use error::OutputError;
+pub use owned::{install, make_folder, replace};
 pub use recording_file::RecordingFile;
+pub use sink::{Output, Sink};
 pub use stdout::{Results, note};
 
 use part::Part;
-use place::{FileId, Place, identity, is_stdout};
+use place::{FileId, Place, identity, is_stdout, stdout_identity};
+use recording_file::{MOST_NUMBERS, with_number};
 
 /// The outputs of one run of a command. Clones share their state, so threads can open outputs of the same run.
 #[derive(Clone, Debug, Default)]
@@ -47,6 +50,12 @@ impl Outputs {
     /// The outputs of a run that replaces existing files only if `overwrite` is true.
     pub fn new(overwrite: bool) -> Self {
         Self { overwrite, run: Arc::default() }
+    }
+
+    /// The same outputs, of which one replaces an existing file because the user asked for that in another way.
+    #[must_use]
+    pub fn replacing(&self) -> Self {
+        Self { overwrite: true, run: Arc::clone(&self.run) }
     }
 
     /// Protects the files that this run reads. Paths at which nothing is, and folders, are left out.
@@ -90,9 +99,24 @@ impl Outputs {
         flag: &'static str,
     ) -> Result<Output, OutputError> {
         if !is_stdout(path) {
-            make_folder(place::folder(path), flag)?;
+            make_folder(folder(path), flag)?;
         }
         self.reserve(path, flag)
+    }
+
+    /// Like [`Outputs::reserve`]; an existing file that may not be replaced gives way to the next free number.
+    ///
+    /// # Errors
+    /// [`OutputError`] if no output can go there.
+    pub fn reserve_numbered(&self, path: &Path, flag: &'static str) -> Result<Output, OutputError> {
+        let mut taken = OutputError::Exists { path: path.to_owned(), flag };
+        for number in 1..MOST_NUMBERS {
+            match self.reserve(&with_number(path, number), flag) {
+                Err(error @ OutputError::Exists { .. }) => taken = error,
+                done => return done,
+            }
+        }
+        Err(taken)
     }
 
     /// Reserves stdout for the results that `flag` asks for, such as one JSON object.
@@ -100,6 +124,7 @@ impl Outputs {
     /// # Errors
     /// [`OutputError::Twice`] if another output has stdout.
     pub fn reserve_stdout(&self, flag: &'static str) -> Result<(), OutputError> {
+        self.check(Path::new("stdout"), &Place::Stdout, flag)?;
         self.take(Path::new("-"), &Place::Stdout, flag)
     }
 
@@ -139,6 +164,38 @@ impl Outputs {
         Ok(file)
     }
 
+    /// Refuses a place where an output of this name could not go, without reserving it.
+    ///
+    /// # Errors
+    /// [`OutputError`] if no output can go there.
+    pub fn may_write(&self, path: &Path, flag: &'static str) -> Result<(), OutputError> {
+        let place = Place::find(path, flag)?;
+        self.check(path, &place, flag)?;
+        match &place {
+            Place::File { real, exists: true } => self.may_replace(path, real, flag),
+            _ => Ok(()),
+        }
+    }
+
+    /// Creates the file of a recording at `path` and nowhere else: an existing file is refused, or replaced with `--overwrite`.
+    ///
+    /// # Errors
+    /// [`OutputError`] as of [`Outputs::recording`], and if the file exists.
+    pub fn named_recording(
+        &self,
+        path: &Path,
+        flag: &'static str,
+    ) -> Result<RecordingFile, OutputError> {
+        self.may_write(path, flag)?;
+        let file = self.recording(path)?;
+        if file.renamed().is_none() {
+            return Ok(file);
+        }
+        // Somebody made it since; the numbered file goes again.
+        file.discard();
+        Err(OutputError::Exists { path: path.to_owned(), flag })
+    }
+
     /// Creates the file of a further recording of this run: at `path`, or at the next free number. It never replaces a file.
     ///
     /// # Errors
@@ -149,9 +206,13 @@ impl Outputs {
 
     /// Refuses an output that is an input, and one whose file another output has taken.
     fn check(&self, path: &Path, place: &Place, flag: &'static str) -> Result<(), OutputError> {
-        let Place::File { real, .. } = place else { return Ok(()) };
+        let found = match place {
+            Place::File { real, .. } => identity(real),
+            Place::Stdout => stdout_identity(),
+            Place::Stream(_) => None,
+        };
         let run = self.run();
-        let input = identity(real).and_then(|file| run.inputs.get(&file).cloned());
+        let input = found.and_then(|file| run.inputs.get(&file).cloned());
         match input {
             Some(input) => Err(OutputError::Input { path: path.to_owned(), flag, input }),
             None => Ok(()),
@@ -198,142 +259,9 @@ impl Outputs {
 /// The flag that puts the results themselves on stdout.
 const JSON: &str = "--json";
 
-/// An output whose place is reserved and which is not written yet.
-#[derive(Debug)]
-pub struct Output {
-    path: PathBuf,
-    flag: &'static str,
-    place: Place,
-    outputs: Outputs,
-}
-
-impl Output {
-    /// The path as it was named.
-    pub fn path(&self) -> &Path {
-        &self.path
-    }
-
-    /// Whether the output goes to stdout.
-    pub fn is_stdout(&self) -> bool {
-        self.place == Place::Stdout
-    }
-
-    /// Opens the output.
-    ///
-    /// # Errors
-    /// [`OutputError`] if the folder takes no file, or the pipe or device cannot be opened.
-    pub fn open(self) -> Result<Sink, OutputError> {
-        let stream = match &self.place {
-            Place::Stdout => Stream::Stdout(Results::stdout()),
-            Place::Stream(path) => {
-                let file = OpenOptions::new().write(true).open(path);
-                let file = file.map_err(|why| OutputError::write(&self.path, why))?;
-                Stream::Device(BufWriter::new(file))
-            }
-            Place::File { real, .. } => {
-                let part = Part::beside(real);
-                Stream::Part(part.map_err(|why| OutputError::folder(&self.path, self.flag, &why))?)
-            }
-        };
-        Ok(Sink { output: self, stream })
-    }
-
-    /// Writes `bytes` as the whole output.
-    ///
-    /// # Errors
-    /// [`OutputError`] if the output cannot be written; the folder is then as it was.
-    pub fn write(self, bytes: &[u8]) -> Result<(), OutputError> {
-        let path = self.path.clone();
-        let mut sink = self.open()?;
-        sink.write_all(bytes).map_err(|why| OutputError::write(&path, why))?;
-        sink.finish()
-    }
-}
-
-/// An open output. [`Sink::finish`] gives a file its name; if it is dropped before, nothing stays behind.
-#[derive(Debug)]
-pub struct Sink {
-    output: Output,
-    stream: Stream,
-}
-
-#[derive(Debug)]
-enum Stream {
-    Part(Part),
-    Device(BufWriter<File>),
-    Stdout(Results),
-}
-
-impl Sink {
-    /// Writes the rest and gives the file its name.
-    ///
-    /// # Errors
-    /// [`OutputError`] if the rest cannot be written, or somebody made a file of this name since it was reserved.
-    pub fn finish(self) -> Result<(), OutputError> {
-        let Output { path, flag, place, outputs } = self.output;
-        let failed = |why: std::io::Error| match why.kind() {
-            ErrorKind::AlreadyExists => OutputError::Exists { path: path.clone(), flag },
-            _ => OutputError::write(&path, why),
-        };
-        match (self.stream, &place) {
-            (Stream::Part(part), Place::File { real, .. }) => {
-                // The run may have come to read the file since.
-                outputs.check(&path, &place, flag)?;
-                part.rename(real, outputs.overwrite).map_err(failed)
-            }
-            (Stream::Part(_), _) => Ok(()),
-            (Stream::Device(mut file), _) => file.flush().map_err(failed),
-            (Stream::Stdout(mut stdout), _) => stdout.flush().map_err(failed),
-        }
-    }
-}
-
-impl Write for Sink {
-    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        let done = match &mut self.stream {
-            Stream::Part(part) => part.write(bytes),
-            Stream::Device(file) => file.write(bytes),
-            Stream::Stdout(stdout) => stdout.write(bytes),
-        };
-        done.map_err(|why| OutputError::write(&self.output.path, why).into())
-    }
-
-    fn flush(&mut self) -> std::io::Result<()> {
-        let done = match &mut self.stream {
-            Stream::Part(part) => part.flush(),
-            Stream::Device(file) => file.flush(),
-            Stream::Stdout(stdout) => stdout.flush(),
-        };
-        done.map_err(|why| OutputError::write(&self.output.path, why).into())
-    }
-}
-
-/// Makes `folder` and those above it.
-///
-/// # Errors
-/// [`OutputError::Unfit`] with the flag that names the folder.
-pub fn make_folder(folder: &Path, flag: &'static str) -> Result<(), OutputError> {
-    std::fs::create_dir_all(folder).map_err(|why| OutputError::Unfit {
-        path: folder.to_owned(),
-        flag,
-        found: format!("the folder cannot be made: {why}"),
-        remedy: "choose another folder",
-    })
-}
-
-/// Writes a file that belongs to the program, such as a checkpoint or a cached report: whole or not at all, over the one before. It
-/// makes the folder.
-///
-/// # Errors
-/// [`OutputError::Write`] if the write fails; the file before it is then intact.
-pub fn replace(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
-    let failed = |why| OutputError::write(path, why);
-    std::fs::create_dir_all(place::folder(path)).map_err(failed)?;
-    // A link stays a link: the file that it leads to is replaced.
-    let real = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-    let mut part = Part::beside(&real).map_err(failed)?;
-    part.write_all(bytes).map_err(failed)?;
-    part.rename(&real, true).map_err(failed)
+/// The folder of `path`; that of a bare name is the working folder.
+fn folder(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."))
 }
 
 #[cfg(test)]

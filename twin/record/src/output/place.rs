@@ -3,7 +3,7 @@
 use std::fs::Metadata;
 use std::path::{Path, PathBuf};
 
-use super::OutputError;
+use super::{OutputError, folder};
 
 /// Names of stdout. The last three would otherwise lead through links to the file that stdout was redirected to.
 const STDOUT: [&str; 4] = ["-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"];
@@ -32,6 +32,19 @@ pub(super) fn identity(path: &Path) -> Option<FileId> {
     std::fs::canonicalize(path).ok()
 }
 
+/// The identity of the file that stdout is redirected to, as in `>> flight.mcap`.
+#[cfg(unix)]
+pub(super) fn stdout_identity() -> Option<FileId> {
+    use std::os::fd::AsFd;
+    let stdout = std::io::stdout().as_fd().try_clone_to_owned().ok()?;
+    std::fs::File::from(stdout).metadata().ok().map(|metadata| identity_of(&metadata))
+}
+
+#[cfg(not(unix))]
+pub(super) fn stdout_identity() -> Option<FileId> {
+    None
+}
+
 /// The place of an output.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Place {
@@ -51,11 +64,6 @@ pub(super) enum Place {
 /// Whether `path` names stdout.
 pub(super) fn is_stdout(path: &Path) -> bool {
     STDOUT.iter().any(|name| path == Path::new(name))
-}
-
-/// The folder of `path`; that of a bare name is the working folder.
-pub(super) fn folder(path: &Path) -> &Path {
-    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."))
 }
 
 impl Place {

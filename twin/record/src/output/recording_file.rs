@@ -8,8 +8,8 @@ use super::OutputError;
 #[cfg(unix)]
 use super::place::{identity, identity_of};
 
-/// Most recordings of one name in one folder.
-const MOST_NUMBERS: u32 = 100_000;
+/// Most files of one name in one folder.
+pub(super) const MOST_NUMBERS: u32 = 100_000;
 
 /// The flag that names a recording.
 pub(super) const FLAG: &str = "--record";
@@ -102,6 +102,13 @@ impl RecordingFile {
         })
     }
 
+    /// Removes the file, which nothing was written to.
+    pub(super) fn discard(self) {
+        if let Err(error) = std::fs::remove_file(&self.path) {
+            tracing::warn!("{}: the empty file stays behind: {error}", self.path.display());
+        }
+    }
+
     /// The open file and its path.
     pub(crate) fn into_parts(self) -> (PathBuf, File) {
         (self.path, self.file)
@@ -129,7 +136,7 @@ fn create(path: &Path) -> std::io::Result<RecordingFile> {
 }
 
 /// `flight.mcap` for number 1, then `flight-2.mcap`, …
-fn with_number(path: &Path, number: u32) -> PathBuf {
+pub(super) fn with_number(path: &Path, number: u32) -> PathBuf {
     if number < 2 {
         return path.to_owned();
     }

@@ -91,7 +91,7 @@ fn an_output_that_is_dropped_leaves_nothing_behind() {
     let folder = Folder::new("dropped");
     let outputs = Outputs::new(false);
     let mut sink = outputs.reserve(&folder.0.join("a.csv"), "-o").unwrap().open().unwrap();
-    sink.write_all(&[b'x'; 100_000]).unwrap();
+    sink.write_all(&vec![b'x'; 100_000]).unwrap();
     assert_eq!(folder.names().len(), 1, "the temporary file");
     drop(sink);
     assert!(folder.names().is_empty(), "{:?}", folder.names());
@@ -185,7 +185,7 @@ fn a_device_is_written_directly_and_a_full_one_is_an_error_that_names_it() {
     outputs.reserve(Path::new("/dev/null"), "--html").unwrap().write(b"x").unwrap();
     if Path::new("/dev/full").exists() {
         let full = outputs.reserve(Path::new("/dev/full"), "-o").unwrap();
-        let error = full.write(&[b'x'; 100_000]).unwrap_err();
+        let error = full.write(&vec![b'x'; 100_000]).unwrap_err();
         assert!(error.is_failed_write(), "{error}");
         assert_eq!(error.to_string().matches("/dev/full").count(), 1, "{error}");
     }
@@ -198,7 +198,10 @@ fn a_recording_takes_the_next_free_number_and_says_so() {
     let outputs = Outputs::new(false);
     let files = [(); 3].map(|()| outputs.recording(&path).unwrap());
     let names = files.each_ref().map(|file| file.path().file_name().unwrap().to_owned());
-    assert_eq!(names, ["flight.mcap", "flight-2.mcap", "flight-3.mcap"].map(std::ffi::OsString::from));
+    assert_eq!(
+        names,
+        ["flight.mcap", "flight-2.mcap", "flight-3.mcap"].map(std::ffi::OsString::from)
+    );
     assert_eq!(files[0].renamed(), None);
     let said = files[2].renamed().unwrap();
     assert!(said.contains("flight.mcap exists") && said.contains("flight-3.mcap"), "{said}");
