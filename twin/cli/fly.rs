@@ -185,7 +185,7 @@ fn record(
     let Some(path) = &args.record else { return Ok(None) };
     let info = scenario.recording_info(&scenario.tuning()?)?;
     outputs.protect(scenario.input_files());
-    let file = outputs.recording(path)?;
+    let file = outputs.recording(path, "--record")?;
     if let Some(renamed) = file.renamed() {
         note(renamed);
     }

@@ -143,7 +143,7 @@ fn record(
     outputs: &Outputs,
 ) -> anyhow::Result<Option<Recorder>> {
     let Some(path) = path else { return Ok(None) };
-    let file = outputs.recording(path)?;
+    let file = outputs.recording(path, "--record")?;
     if let Some(renamed) = file.renamed() {
         note(renamed);
     }

@@ -51,7 +51,7 @@ const EXAMPLES: &str = "Examples:
   twin export html flight.mcap                  one page of a recorded flight, for any browser
   twin export viser flight.mcap -o flight.viser the flight for viser; `twin export meshcat` for MeshCat
   twin mirror flight.mcap --headless --json     a real flight through the loop in shadow
-  twin export csv flight.mcap -o flight.csv     ticks, residuals and predictions as CSV
+  twin export csv flight.mcap -o flight.csv     ticks, residuals and predictions as CSV; `-o -` is stdout
   twin info flight.mcap                         what a recording holds, and what is wrong with it
   twin check scenarios/*.toml urdf/*.urdf       are these files usable?
   twin train flights/*.mcap                     the residual's model from recorded flights
@@ -133,6 +133,8 @@ pub(crate) fn main() -> ExitCode {
     tracing_subscriber::fmt()
         .with_writer(std::io::stderr)
         .with_target(false)
+        // A log line that a full stderr does not take is lost; reporting that on stderr would panic.
+        .log_internal_errors(false)
         .with_env_filter(tracing_subscriber::EnvFilter::new("warn,twin=info"))
         .init();
     let result = match cli.command {

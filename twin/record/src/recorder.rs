@@ -54,7 +54,7 @@ impl Recorder {
     /// # Errors
     /// [`RecordingError`] if the file cannot be created or written.
     pub fn create(path: &Path, info: &RecordingInfo) -> Result<Self, RecordingError> {
-        Self::start(RecordingFile::create(path)?, info)
+        Self::start(RecordingFile::new(path)?, info)
     }
 
     /// Writes the metadata of the start to a new file; [`crate::Outputs::recording`] opens it.

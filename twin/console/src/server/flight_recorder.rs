@@ -6,6 +6,9 @@ use std::sync::Arc;
 use twin_core::tick::Tick;
 use twin_record::{Outputs, Recorder, RecordingEnd, RecordingError, RecordingInfo};
 
+/// The flag that asks for recordings.
+const FLAG: &str = "--record";
+
 /// Records the flights one after the other, or none.
 pub(super) struct FlightRecorder {
     path: Option<PathBuf>,
@@ -39,8 +42,11 @@ impl FlightRecorder {
         let Some(path) = &self.path else { return Ok(None) };
         self.outputs.protect(inputs);
         let first = !std::mem::replace(&mut self.begun, true);
-        let file =
-            if first { self.outputs.recording(path) } else { self.outputs.next_recording(path) }?;
+        let file = if first {
+            self.outputs.recording(path, FLAG)
+        } else {
+            self.outputs.next_recording(path, FLAG)
+        }?;
         let renamed = file.renamed().filter(|_| first);
         self.open = Some(Recorder::start(file, info)?);
         Ok(renamed)

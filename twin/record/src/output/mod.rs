@@ -29,7 +29,7 @@ pub use sink::{Output, Sink};
 pub use stdout::{Results, note};
 
 use part::Part;
-use place::{FileId, Place, identity, is_stdout, stdout_identity};
+use place::{FileId, Place, identity, is_pipe, is_stdout, stdout_identity};
 use recording_file::{MOST_NUMBERS, with_number};
 
 /// The outputs of one run of a command. Clones share their state, so threads can open outputs of the same run.
@@ -44,6 +44,8 @@ pub struct Outputs {
 struct Run {
     inputs: BTreeMap<FileId, PathBuf>,
     taken: Vec<(Place, &'static str)>,
+    /// Whether an output named `-` has stdout.
+    piped: bool,
 }
 
 impl Outputs {
@@ -86,6 +88,7 @@ impl Outputs {
             drop(Part::beside(real).map_err(|why| OutputError::folder(path, flag, &why))?);
         }
         self.take(path, &place, flag)?;
+        self.run().piped |= place == Place::Stdout;
         Ok(Output { path: path.to_owned(), flag, place, outputs: self.clone() })
     }
 
@@ -128,37 +131,34 @@ impl Outputs {
         self.take(Path::new("-"), &Place::Stdout, flag)
     }
 
-    /// The stream for the text that people read: stdout, or stderr if an output goes to stdout.
+    /// The stream for results: stdout, or stderr if a file was named `-` and goes to stdout.
     pub fn results(&self) -> Results {
-        let taken =
-            self.run().taken.iter().any(|(place, flag)| *place == Place::Stdout && *flag != JSON);
-        if taken { Results::stderr() } else { Results::stdout() }
+        if self.run().piped { Results::stderr() } else { Results::stdout() }
     }
 
     /// Creates the file of a recording at `path`. If it exists, the recording replaces it with `--overwrite`, and otherwise takes the
-    /// next free number.
+    /// next free number. A recording of the same run is never replaced.
     ///
     /// # Errors
-    /// [`OutputError`] if `path` is an input or stdout, if another process records to it, or if the folder takes no file.
-    pub fn recording(&self, path: &Path) -> Result<RecordingFile, OutputError> {
-        let flag = recording_file::FLAG;
+    /// [`OutputError`] if `path` is an input, stdout or a pipe, if another process records to it, or if the folder takes no file.
+    pub fn recording(&self, path: &Path, flag: &'static str) -> Result<RecordingFile, OutputError> {
         let place = Place::find(path, flag)?;
         self.check(path, &place, flag)?;
         let file = match &place {
-            Place::Stdout => {
+            Place::Stream(device) if !is_pipe(device) => return RecordingFile::stream(device),
+            Place::Stdout | Place::Stream(_) => {
                 return Err(OutputError::Unfit {
                     path: path.to_owned(),
                     flag,
-                    found: "a recording has an index, which is written last".to_owned(),
+                    found: "a recording has parts that are written last, at its start".to_owned(),
                     remedy: "name a file",
                 });
             }
-            Place::Stream(path) => return RecordingFile::stream(path),
-            Place::File { real, exists: true } if self.overwrite => {
+            Place::File { real, exists: true } if self.overwrite && !self.has_taken(&place) => {
                 self.may_replace(path, real, flag)?;
-                RecordingFile::instead_of(real, path)?
+                RecordingFile::instead_of(real, path, flag)?
             }
-            Place::File { .. } => RecordingFile::numbered(path)?,
+            Place::File { .. } => RecordingFile::numbered(path, flag)?,
         };
         self.take(path, &Place::find(file.path(), flag)?, flag)?;
         Ok(file)
@@ -187,7 +187,7 @@ impl Outputs {
         flag: &'static str,
     ) -> Result<RecordingFile, OutputError> {
         self.may_write(path, flag)?;
-        let file = self.recording(path)?;
+        let file = self.recording(path, flag)?;
         if file.renamed().is_none() {
             return Ok(file);
         }
@@ -200,8 +200,12 @@ impl Outputs {
     ///
     /// # Errors
     /// [`OutputError`] if the folder takes no file.
-    pub fn next_recording(&self, path: &Path) -> Result<RecordingFile, OutputError> {
-        Self { overwrite: false, run: Arc::clone(&self.run) }.recording(path)
+    pub fn next_recording(
+        &self,
+        path: &Path,
+        flag: &'static str,
+    ) -> Result<RecordingFile, OutputError> {
+        Self { overwrite: false, run: Arc::clone(&self.run) }.recording(path, flag)
     }
 
     /// Refuses an output that is an input, and one whose file another output has taken.
@@ -237,17 +241,16 @@ impl Outputs {
 
     /// Takes the place, or refuses it if another output has it. A device can have many outputs.
     fn take(&self, path: &Path, place: &Place, flag: &'static str) -> Result<(), OutputError> {
-        let same = |taken: &Place| match (taken, place) {
-            (Place::Stdout, Place::Stdout) => true,
-            (Place::File { real: a, .. }, Place::File { real: b, .. }) => a == b,
-            _ => false,
-        };
         let mut run = self.run();
-        if let Some((_, first)) = run.taken.iter().find(|(taken, _)| same(taken)) {
+        if let Some((_, first)) = run.taken.iter().find(|(taken, _)| taken.is_same(place)) {
             return Err(OutputError::Twice { path: path.to_owned(), first, second: flag });
         }
         run.taken.push((place.clone(), flag));
         Ok(())
+    }
+
+    fn has_taken(&self, place: &Place) -> bool {
+        self.run().taken.iter().any(|(taken, _)| taken.is_same(place))
     }
 
     fn run(&self) -> MutexGuard<'_, Run> {
@@ -255,9 +258,6 @@ impl Outputs {
         self.run.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
-
-/// The flag that puts the results themselves on stdout.
-const JSON: &str = "--json";
 
 /// The folder of `path`; that of a bare name is the working folder.
 fn folder(path: &Path) -> &Path {

@@ -67,6 +67,15 @@ pub(super) fn is_stdout(path: &Path) -> bool {
 }
 
 impl Place {
+    /// Whether both are stdout or both are one file. A device can have many outputs.
+    pub(super) fn is_same(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Stdout, Self::Stdout) => true,
+            (Self::File { real: a, .. }, Self::File { real: b, .. }) => a == b,
+            _ => false,
+        }
+    }
+
     /// The place that `path` names.
     pub(super) fn find(path: &Path, flag: &'static str) -> Result<Self, OutputError> {
         if is_stdout(path) {
@@ -107,6 +116,18 @@ fn is_stream(metadata: &Metadata) -> bool {
     use std::os::unix::fs::FileTypeExt;
     let kind = metadata.file_type();
     kind.is_fifo() || kind.is_char_device()
+}
+
+/// Whether `path` is a pipe, in which nothing can be written a second time.
+#[cfg(unix)]
+pub(super) fn is_pipe(path: &Path) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    std::fs::metadata(path).is_ok_and(|found| found.file_type().is_fifo())
+}
+
+#[cfg(not(unix))]
+pub(super) fn is_pipe(_: &Path) -> bool {
+    false
 }
 
 #[cfg(not(unix))]

@@ -11,8 +11,8 @@ use super::place::{identity, identity_of};
 /// Most files of one name in one folder.
 pub(super) const MOST_NUMBERS: u32 = 100_000;
 
-/// The flag that names a recording.
-pub(super) const FLAG: &str = "--record";
+/// The flag that names a recording, unless a command has another.
+const FLAG: &str = "--record";
 
 /// A new file for a recording. Nobody else writes it: its name did not exist before, and it is locked until it is closed.
 #[derive(Debug)]
@@ -27,7 +27,7 @@ impl RecordingFile {
     ///
     /// # Errors
     /// [`OutputError`] if the file exists, or the folder takes no file.
-    pub fn create(path: &Path) -> Result<Self, OutputError> {
+    pub fn new(path: &Path) -> Result<Self, OutputError> {
         create(path).map_err(|why| match why.kind() {
             ErrorKind::AlreadyExists => OutputError::Exists { path: path.to_owned(), flag: FLAG },
             _ => OutputError::folder(path, FLAG, &why),
@@ -38,25 +38,29 @@ impl RecordingFile {
     ///
     /// # Errors
     /// [`OutputError`] if the folder takes no file.
-    pub(super) fn numbered(path: &Path) -> Result<Self, OutputError> {
+    pub(super) fn numbered(path: &Path, flag: &'static str) -> Result<Self, OutputError> {
         for number in 1..MOST_NUMBERS {
             match create(&with_number(path, number)) {
                 Ok(file) => return Ok(Self { wanted: path.to_owned(), ..file }),
                 Err(why) if why.kind() == ErrorKind::AlreadyExists => {}
-                Err(why) => return Err(OutputError::folder(path, FLAG, &why)),
+                Err(why) => return Err(OutputError::folder(path, flag, &why)),
             }
         }
-        Err(OutputError::Exists { path: path.to_owned(), flag: FLAG })
+        Err(OutputError::Exists { path: path.to_owned(), flag })
     }
 
     /// Removes the recording at `real` and creates a new one there; `path` is its name in errors.
     ///
     /// # Errors
     /// [`OutputError`] if another process still writes it, or the folder takes no file.
-    pub(super) fn instead_of(real: &Path, path: &Path) -> Result<Self, OutputError> {
+    pub(super) fn instead_of(
+        real: &Path,
+        path: &Path,
+        flag: &'static str,
+    ) -> Result<Self, OutputError> {
         let unfit = |found: String, remedy| OutputError::Unfit {
             path: path.to_owned(),
-            flag: FLAG,
+            flag,
             found,
             remedy,
         };
@@ -74,10 +78,10 @@ impl RecordingFile {
             return Err(in_use());
         }
         std::fs::remove_file(real).map_err(missing)?;
-        Ok(Self { path: path.to_owned(), wanted: path.to_owned(), ..Self::create(real)? })
+        Ok(Self { path: path.to_owned(), wanted: path.to_owned(), ..Self::new(real)? })
     }
 
-    /// Opens the pipe or device at `path`, such as `/dev/null`.
+    /// Opens the device at `path`, such as `/dev/null`.
     pub(super) fn stream(path: &Path) -> Result<Self, OutputError> {
         let file = OpenOptions::new()
             .write(true)

@@ -67,7 +67,7 @@ fn an_input_is_refused_under_every_name_also_to_be_replaced() {
     for path in [&input, &link, &hard] {
         let error = outputs.reserve(path, "-o").unwrap_err();
         assert!(matches!(error, OutputError::Input { .. }), "{error}");
-        let error = outputs.recording(path).unwrap_err();
+        let error = outputs.recording(path, "--record").unwrap_err();
         assert!(matches!(error, OutputError::Input { .. }), "{error}");
     }
     assert_eq!(text(&input), "flight");
@@ -143,7 +143,7 @@ fn a_place_that_takes_no_file_is_refused_with_a_remedy() {
         assert!(words.iter().all(|word| error.contains(word)), "{error}");
         assert!(error.contains(&path.display().to_string()), "{error}");
     }
-    let error = outputs.recording(Path::new("-")).unwrap_err().to_string();
+    let error = outputs.recording(Path::new("-"), "--record").unwrap_err().to_string();
     assert!(error.contains("name a file"), "{error}");
 }
 
@@ -196,7 +196,7 @@ fn a_recording_takes_the_next_free_number_and_says_so() {
     let folder = Folder::new("numbers");
     let path = folder.0.join("flight.mcap");
     let outputs = Outputs::new(false);
-    let files = [(); 3].map(|()| outputs.recording(&path).unwrap());
+    let files = [(); 3].map(|()| outputs.recording(&path, "--record").unwrap());
     let names = files.each_ref().map(|file| file.path().file_name().unwrap().to_owned());
     assert_eq!(
         names,
@@ -211,15 +211,19 @@ fn a_recording_takes_the_next_free_number_and_says_so() {
 fn only_a_finished_recording_is_replaced() {
     let folder = Folder::new("replaced");
     let path = folder.0.join("flight.mcap");
-    let growing = Outputs::new(false).recording(&path).unwrap();
-    let error = Outputs::new(true).recording(&path).unwrap_err().to_string();
+    let growing = Outputs::new(false).recording(&path, "--record").unwrap();
+    let error = Outputs::new(true).recording(&path, "--record").unwrap_err().to_string();
     assert!(error.contains("another process is recording"), "{error}");
     drop(growing);
-    let again = Outputs::new(true).recording(&path).unwrap();
+    let again = Outputs::new(true).recording(&path, "--record").unwrap();
     assert_eq!((again.path(), again.renamed()), (path.as_path(), None));
-    // The flights of a restart never replace one.
-    assert_ne!(Outputs::new(true).next_recording(&path).unwrap().path(), path);
-    assert_eq!(folder.names(), ["flight-2.mcap", "flight.mcap"]);
+    // Neither a second recording of the same run nor that of a restart replaces one.
+    let run = Outputs::new(true);
+    drop(again);
+    drop(run.recording(&path, "--record").unwrap());
+    assert_ne!(run.recording(&path, "--record").unwrap().path(), path);
+    assert_ne!(Outputs::new(true).next_recording(&path, "--record").unwrap().path(), path);
+    assert_eq!(folder.names(), ["flight-2.mcap", "flight-3.mcap", "flight.mcap"]);
 }
 
 #[test]

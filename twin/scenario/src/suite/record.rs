@@ -76,7 +76,7 @@ pub(super) fn flown_again(
 ) -> Result<PathBuf, RecordError> {
     make_folder(path.parent().unwrap_or_else(|| Path::new(".")), "--artifacts")?;
     let info = scenario.recording_info(&scenario.tuning()?)?;
-    let mut recorder = Recorder::start(outputs.recording(path)?, &info)?;
+    let mut recorder = Recorder::start(outputs.recording(path, "--artifacts")?, &info)?;
     let path = recorder.path().to_owned();
     let mut trouble = None;
     let again = fly(scenario, &mut |tick| {
