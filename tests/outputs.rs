@@ -146,21 +146,22 @@ fn a_scenario_its_model_and_its_weights_are_inputs_of_a_test_and_a_flight() {
 #[test]
 fn an_existing_output_is_replaced_only_with_overwrite() {
     let folder = Folder::recorded("exists");
-    let (file, page) = (folder.path("f.mcap"), folder.path("page.html"));
+    let (file, page) = (folder.path("f.mcap"), folder.path("page"));
     std::fs::write(&page, "mine").expect("a file");
+    refused(&["export", "viser", &file, "-o", &page], &[&page, "would overwrite", "--overwrite"]);
     refused(&["export", "html", &file, "-o", &page], &[&page, "would overwrite", "--overwrite"]);
     refused(&["export", "csv", &file, "-o", &page], &[&page, "--overwrite"]);
     refused(&["mirror", &file, "--headless", "--plot", &page], &[&page, "--overwrite"]);
     refused(&["test", "scenarios/hover.toml", "--junit", &page], &[&page, "--overwrite"]);
     refused(&["evaluate", "l1", "--csv", &page], &[&page, "--overwrite"]);
-    assert_eq!(folder.bytes("page.html"), b"mine");
-    let done = twin(&["export", "html", &file, "-o", &page, "--overwrite"]);
+    assert_eq!(folder.bytes("page"), b"mine");
+    let done = twin(&["export", "viser", &file, "-o", &page, "--overwrite"]);
     assert_eq!(done.status.code(), Some(0), "{}", stderr(&done));
-    assert!(folder.bytes("page.html").len() > 1000);
+    assert!(folder.bytes("page").len() > 1000);
     // The default place is an output like any other.
     assert_eq!(twin(&["export", "viser", &file]).status.code(), Some(0));
     refused(&["export", "viser", &file], &["f.viser", "--overwrite"]);
-    assert_eq!(folder.names(), ["f.mcap", "f.viser", "page.html"]);
+    assert_eq!(folder.names(), ["f.mcap", "f.viser", "page"]);
 }
 
 #[test]
@@ -259,8 +260,9 @@ fn a_dash_is_stdout_and_the_text_for_people_then_goes_to_stderr() {
     let picture = twin(&["mirror", &file, "--headless", "--plot", "-"]);
     assert!(String::from_utf8_lossy(&picture.stdout).starts_with("<svg"), "{picture:?}");
     assert!(stderr(&picture).contains("predictor:"), "{}", stderr(&picture));
-    let page = twin(&["export", "html", &file, "-o", "-"]);
-    assert!(String::from_utf8_lossy(&page.stdout).starts_with("<!"), "{}", stderr(&page));
+    let viser = twin(&["export", "viser", &file, "-o", "-"]);
+    // A length of eight bytes, then the first bytes of every zstd frame.
+    assert_eq!(viser.stdout.get(8..12), Some(&[0x28, 0xb5, 0x2f, 0xfd][..]), "{}", stderr(&viser));
     assert_eq!(folder.names(), ["f.csv", "f.mcap"]);
 }
 
@@ -270,7 +272,7 @@ fn an_export_that_fails_midway_leaves_nothing_behind() {
     let folder = Folder::recorded("midway");
     let file = folder.path("f.mcap");
     let before = folder.names();
-    for (kind, name) in [("csv", "f.csv"), ("html", "f.html"), ("viser", "f.viser")] {
+    for (kind, name) in [("csv", "f.csv"), ("viser", "f.viser")] {
         // A limit of 4 KiB on the length of a file stands for a full disk: it needs no mount. The signal would end the program.
         let script = "trap '' XFSZ; ulimit -f 8; exec \"$0\" export \"$1\" \"$2\" -o \"$3\"";
         let output = Command::new("sh")
@@ -297,7 +299,7 @@ const PRINTING: &[(&[&str], i32)] = &[
     (&["mirror", "F", "--headless"], 0),
     (&["mirror", "F", "--headless", "--json"], 0),
     (&["export", "csv", "F"], 0),
-    (&["export", "html", "F", "-o", "-"], 0),
+    (&["export", "viser", "F", "-o", "-"], 0),
     (&["test", "scenarios/quadrotor.toml", "--json"], 0),
     (&["test", "scenarios/quadrotor.toml"], 0),
     (&["test", "scenarios/quadrotor.toml", "--junit", "-"], 0),
