@@ -67,6 +67,26 @@ const IMPURE: &[&str] = &[
     "thread_rng",
 ];
 
+/// Calls that make, replace or rename a file, or print past [`OPENER`].
+const OPENING: &[&str] = &[
+    "File::create",
+    "File::options",
+    "OpenOptions",
+    "fs::write",
+    "fs::rename",
+    "fs::copy",
+    "fs::hard_link",
+    "fs::create_dir",
+    "fs::remove_file",
+    "io::stdout",
+    "io::stderr().write",
+    "print!(",
+    "println!(",
+];
+
+/// The module that opens every output.
+const OPENER: &str = "twin/record/src/output";
+
 /// Largest number of lines of a file.
 const MOST_LINES: usize = 400;
 
@@ -275,6 +295,30 @@ fn the_loop_touches_no_file_clock_thread_or_unseeded_chance() {
         );
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn only_the_opener_makes_files_and_prints() {
+    let mut wrong = Vec::new();
+    let mut found = BTreeSet::new();
+    for (path, text) in files("twin", &[".rs"]) {
+        let name = path.file_name().expect("a name").to_string_lossy();
+        let test = name.ends_with("tests.rs") || name == "typescript.rs";
+        if test || name == "build.rs" {
+            continue;
+        }
+        let code = code(&text);
+        for call in OPENING.iter().filter(|call| code.contains(**call)) {
+            if path.starts_with(OPENER) {
+                found.insert(*call);
+            } else {
+                wrong.push(format!("{}: {call}; open it through {OPENER}", path.display()));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    // The reader finds calls where they are.
+    assert!(found.contains("OpenOptions") && found.contains("io::stdout"), "{found:?}");
 }
 
 #[test]

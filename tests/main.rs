@@ -8,6 +8,7 @@ mod flight;
 mod harness;
 mod layers;
 mod mirror;
+mod outputs;
 mod patience;
 mod plant;
 mod reading;

@@ -1,5 +1,4 @@
 //! The command line of `twin`. Results go to stdout, messages to stderr. Exit code 0: passed, 1: failed, 2: unusable input.
-#![allow(clippy::print_stdout, reason = "this is the one place that prints results")]
 
 mod cli;
 

@@ -193,6 +193,7 @@ fn a_case_that_was_not_run_is_skipped_and_a_sweep_is_one_case() {
 
     let arguments =
         ["--jobs", "1", "--junit", &xml, &files[0], &files[0], "--fail-fast", "--seeds", "2"];
+    let arguments = [&arguments[..], &["--overwrite"]].concat();
     assert_eq!(folder.test(&arguments).status.code(), Some(1));
     let text = std::fs::read_to_string(&xml).expect("the report");
     let document = Document::parse(&text).expect("it is XML");

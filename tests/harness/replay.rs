@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use twin_record::Outputs;
 use twin_scenario::suite::{Evidence, MakePage, Options, Selection, plan, run};
 
 use super::{Folder, TOO_LOW, twin};
@@ -33,15 +34,18 @@ fn the_suite_notes_the_page_that_its_caller_makes_or_why_there_is_none() {
     let plan = plan(&Selection { paths, ..Selection::default() }).expect("the scenario is there");
     let flown = |make_page: Option<MakePage>| {
         let evidence = Some(Evidence { folder: folder.path("kept").into(), make_page });
-        let options = Options { jobs: 1, evidence, ..Options::default() };
+        // Each run replaces the evidence of the one before; otherwise its files would be numbered.
+        let outputs = Outputs::new(true);
+        let options = Options { jobs: 1, evidence, outputs, ..Options::default() };
         run(&plan, &options, &|_| {}).cases.remove(0)
     };
-    let made = flown(Some(|recording, _, report| {
+    let made = flown(Some(|recording, report| {
         assert!(recording.is_file() && !report.passed);
-        Ok(0.25)
+        Ok(("a page".to_owned(), 0.25))
     }));
     assert_eq!(made.replay, Some((PathBuf::from(folder.path("kept/bad.html")), 0.25)));
-    let refused = flown(Some(|_, _, _| Err("no room".to_owned())));
+    assert_eq!(std::fs::read_to_string(folder.path("kept/bad.html")).expect("it"), "a page");
+    let refused = flown(Some(|_, _| Err("no room".to_owned())));
     assert_eq!((refused.replay, refused.artifact_trouble), (None, Some("no room".to_owned())));
     let recorded = flown(None);
     assert_eq!((recorded.replay, recorded.artifact_trouble), (None, None));

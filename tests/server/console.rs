@@ -34,6 +34,7 @@ pub(super) fn options() -> ServeOptions {
         speed: Some(1.0),
         start_paused: false,
         record: None,
+        outputs: twin_record::Outputs::default(),
         viewer_dir: None,
         foxglove_port: None,
     }

@@ -1,17 +1,20 @@
 //! `twin evaluate acceptance`: flies trained weights without the adapter and writes the scores into the file of weights.
 
+use std::io::{self, Write};
 use std::path::PathBuf;
 
 use clap::Args;
 use twin_core::notation::{COORDINATE_NAMES, N};
 use twin_core::residual::weights::Acceptance;
+use twin_record::Outputs;
+use twin_record::output::note;
 use twin_scenario::acceptance::{GateFlight, fly, together, write};
 
-use super::{End, Overrides};
+use super::{End, Overrides, print};
 
 #[derive(Args)]
 pub(super) struct AcceptanceArgs {
-    /// File of weights; the scores are written into its head.
+    /// File of weights; the scores are written into its head, so this file is replaced.
     weights: PathBuf,
     /// Scenario of the hover.
     #[arg(long, default_value = "scenarios/hover.toml")]
@@ -33,7 +36,7 @@ pub(super) fn run(args: &AcceptanceArgs) -> anyhow::Result<End> {
     let flown = [&args.hover, &args.figure_eight]
         .into_iter()
         .map(|scenario| {
-            eprintln!("{} without the adapter", scenario.display());
+            note(format_args!("{} without the adapter", scenario.display()));
             fly(scenario, &args.weights, &args.overrides.set)
         })
         .collect::<Result<Vec<_>, _>>()?;
@@ -46,40 +49,50 @@ pub(super) fn run(args: &AcceptanceArgs) -> anyhow::Result<End> {
     if !args.dry_run {
         write(&args.weights, acceptance)?;
     }
-    if args.json {
-        let accepted = acceptance.passed();
-        println!(
-            "{}",
-            serde_json::json!({
-                "weights": args.weights, "accepted": accepted, "acceptance": acceptance, "flights": flown,
-            })
-        );
-    } else {
-        print(&flown, both.map(|(_, rows)| rows));
-        let words = if acceptance.passed() { "accepted" } else { "not accepted" };
-        println!("{words}: {acceptance}; R² must be above {}", Acceptance::LEAST_R2);
-    }
+    print(&Outputs::default(), |out| {
+        if args.json {
+            let accepted = acceptance.passed();
+            writeln!(
+                out,
+                "{}",
+                serde_json::json!({
+                    "weights": args.weights, "accepted": accepted, "acceptance": acceptance, "flights": flown,
+                })
+            )?;
+        } else {
+            print_flights(out, &flown, both.map(|(_, rows)| rows))?;
+            let words = if acceptance.passed() { "accepted" } else { "not accepted" };
+            writeln!(out, "{words}: {acceptance}; R² must be above {}", Acceptance::LEAST_R2)?;
+        }
+        Ok(())
+    })?;
     Ok(if acceptance.passed() { End::Passed } else { End::Failed })
 }
 
-fn print(flown: &[GateFlight], both: Option<[f64; N]>) {
+fn print_flights(
+    out: &mut dyn Write,
+    flown: &[GateFlight],
+    both: Option<[f64; N]>,
+) -> io::Result<()> {
     for flown in flown {
-        println!("{}: {}: {}", flown.scenario, flown.verdict, flown.reason);
+        writeln!(out, "{}: {}: {}", flown.scenario, flown.verdict, flown.reason)?;
     }
-    println!(
+    writeln!(
+        out,
         "{:20} {:>7}{}",
         "R²",
         "mean",
         COORDINATE_NAMES.map(|row| format!(" {row:>7}")).concat()
-    );
-    let line = |name: &str, rows: [f64; N]| {
+    )?;
+    let mut line = |name: &str, rows: [f64; N]| {
         let mean = rows.iter().sum::<f64>() / N as f64;
-        println!("{name:20} {mean:7.3}{}", rows.map(|r2| format!(" {r2:7.3}")).concat());
+        writeln!(out, "{name:20} {mean:7.3}{}", rows.map(|r2| format!(" {r2:7.3}")).concat())
     };
     for flown in flown {
-        line(&flown.scenario, flown.r2_rows);
+        line(&flown.scenario, flown.r2_rows)?;
     }
     if let Some(rows) = both {
-        line("together", rows);
+        line("together", rows)?;
     }
+    Ok(())
 }

@@ -8,9 +8,10 @@ use twin_core::residual::nn::Precision;
 use twin_core::residual::nn::kernels::Kernel;
 use twin_core::residual::trained;
 use twin_plant::model::{Packages, Robot};
+use twin_record::Outputs;
 use twin_scenario::{Scenario, json_schema};
 
-use super::{End, Overrides, read_weights};
+use super::{End, Overrides, print, read_weights};
 
 #[derive(Args)]
 pub(super) struct CheckArgs {
@@ -24,21 +25,24 @@ pub(super) struct CheckArgs {
     overrides: Overrides,
 }
 
-pub(super) fn run(args: &CheckArgs) -> End {
-    if args.schema {
-        print!("{}", json_schema());
-    }
+pub(super) fn run(args: &CheckArgs) -> anyhow::Result<End> {
     let mut end = End::Passed;
-    for file in &args.files {
-        match check(file, &args.overrides.set) {
-            Ok(found) => println!("ok    {}: {found}", file.display()),
-            Err(error) => {
-                println!("ERROR {error:#}");
-                end = End::Failed;
+    print(&Outputs::default(), |out| {
+        if args.schema {
+            write!(out, "{}", json_schema())?;
+        }
+        for file in &args.files {
+            match check(file, &args.overrides.set) {
+                Ok(found) => writeln!(out, "ok    {}: {found}", file.display())?,
+                Err(error) => {
+                    writeln!(out, "ERROR {error:#}")?;
+                    end = End::Failed;
+                }
             }
         }
-    }
-    end
+        Ok(())
+    })?;
+    Ok(end)
 }
 
 fn check(file: &Path, overrides: &[String]) -> anyhow::Result<String> {

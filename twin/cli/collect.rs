@@ -1,19 +1,20 @@
 //! `twin collect`: flies and records the training flights and the test flight.
 
+use std::io::{self, Write};
 use std::path::PathBuf;
 
-use anyhow::Context;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use twin_core::notation::{COORDINATE_NAMES, TICK_S};
+use twin_record::output::{Outputs, make_folder, note};
 use twin_scenario::collect::{Collected, EXPECTED_STD, Flight, Plan, Spread, collect};
 use twin_scenario::side_by_side;
 
-use super::{End, Overrides};
+use super::{End, Overrides, Overwrite, print};
 
 #[derive(Args)]
 pub(super) struct CollectArgs {
-    /// Folder for the recordings.
+    /// Folder for the recordings and `collect.json`; files of these names in it are refused without --overwrite.
     #[arg(long, value_name = "DIR", default_value = "out/data")]
     out: PathBuf,
     /// Length of each flight, s.
@@ -35,6 +36,8 @@ pub(super) struct CollectArgs {
     #[arg(long)]
     json: bool,
     #[command(flatten)]
+    overwrite: Overwrite,
+    #[command(flatten)]
     overrides: Overrides,
 }
 
@@ -55,11 +58,19 @@ pub(super) fn run(args: &CollectArgs) -> anyhow::Result<End> {
         overrides: args.overrides.set.clone(),
     };
     let flights = plan.flights()?;
-    std::fs::create_dir_all(&args.out)
-        .with_context(|| format!("{}: cannot be made", args.out.display()))?;
+    let outputs = args.overwrite.outputs();
+    if args.json {
+        outputs.reserve_stdout("--json")?;
+    }
+    outputs.protect(flights.iter().flat_map(|flight| flight.scenario.input_files()));
+    make_folder(&args.out, "--out")?;
+    let table = outputs.reserve(&args.out.join("collect.json"), "--out")?;
+    for flight in &flights {
+        outputs.may_write(&flight.file, "--out")?;
+    }
     let threads =
         args.jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
-    let collected = fly(&flights, threads, args.seconds)?;
+    let collected = fly(&flights, &outputs, threads, args.seconds)?;
     let training: Vec<Spread> = collected
         .iter()
         .filter(|flight| flight.scenario.starts_with("collect_"))
@@ -72,18 +83,24 @@ pub(super) fn run(args: &CollectArgs) -> anyhow::Result<End> {
         "residual_training": together,
         "residual_std_expected": EXPECTED_STD,
     });
-    let path = args.out.join("collect.json");
-    std::fs::write(&path, format!("{manifest:#}\n"))
-        .with_context(|| format!("{}: cannot be written", path.display()))?;
-    if args.json {
-        println!("{manifest}");
-    } else {
-        print_table(&collected, &together);
-    }
+    table.write(format!("{manifest:#}\n").as_bytes())?;
+    print(&outputs, |out| {
+        if args.json {
+            writeln!(out, "{manifest}")?;
+        } else {
+            print_table(out, &collected, &together)?;
+        }
+        Ok(())
+    })?;
     Ok(if collected.iter().all(Collected::usable) { End::Passed } else { End::Failed })
 }
 
-fn fly(flights: &[Flight], threads: usize, seconds: f64) -> anyhow::Result<Vec<Collected>> {
+fn fly(
+    flights: &[Flight],
+    outputs: &Outputs,
+    threads: usize,
+    seconds: f64,
+) -> anyhow::Result<Vec<Collected>> {
     let ticks = (seconds / TICK_S) as u64 * flights.len() as u64;
     let bar = ProgressBar::new(ticks).with_style(
         ProgressStyle::with_template(
@@ -92,13 +109,14 @@ fn fly(flights: &[Flight], threads: usize, seconds: f64) -> anyhow::Result<Vec<C
         .unwrap_or_else(|_| ProgressStyle::default_bar()),
     );
     let collected =
-        side_by_side(flights, threads, &|flight| collect(flight, &|ticks| bar.inc(ticks)));
+        side_by_side(flights, threads, &|flight| collect(flight, outputs, &|ticks| bar.inc(ticks)));
     bar.finish_and_clear();
     Ok(collected.into_iter().collect::<Result<_, _>>()?)
 }
 
-fn print_table(collected: &[Collected], together: &Spread) {
-    println!(
+fn print_table(out: &mut dyn Write, collected: &[Collected], together: &Spread) -> io::Result<()> {
+    writeln!(
+        out,
         "{:14} {:>5} {:>6} {:>7}  {:10} {:>8} {:>7} {:>6} {:>8}  {:16}  sha-256 of the recording",
         "flight",
         "seed",
@@ -110,9 +128,10 @@ fn print_table(collected: &[Collected], together: &Spread) {
         "sat %",
         "contacts",
         "state hash"
-    );
+    )?;
     for flight in collected {
-        println!(
+        writeln!(
+            out,
             "{:14} {:>5} {:>6.3} {:>7}  {:10} {:>8.3} {:>7.1} {:>6.2} {:>8}  {:16}  {}",
             flight.scenario,
             flight.seed,
@@ -125,23 +144,24 @@ fn print_table(collected: &[Collected], together: &Spread) {
             flight.contact_ticks,
             flight.state_hash,
             &flight.sha256,
-        );
+        )?;
         if !flight.usable() {
-            eprintln!("{}: not usable for training: {}", flight.scenario, flight.reason);
+            note(format_args!("{}: not usable for training: {}", flight.scenario, flight.reason));
         }
     }
-    println!(
+    writeln!(
+        out,
         "\nresidual std, N and N m   {}",
         COORDINATE_NAMES.map(|row| format!("{row:>7}")).join("")
-    );
-    let line = |name: &str, values: &[f64]| {
+    )?;
+    let mut line = |name: &str, values: &[f64]| {
         let cells: Vec<String> = values.iter().map(|value| format!("{value:7.3}")).collect();
-        println!("{name:25} {}", cells.concat());
+        writeln!(out, "{name:25} {}", cells.concat())
     };
     for flight in collected {
-        line(&flight.scenario, flight.residual.std.as_slice());
+        line(&flight.scenario, flight.residual.std.as_slice())?;
     }
-    line("training flights together", together.std.as_slice());
-    line("control study, expected", &EXPECTED_STD);
-    line("mean, training together", together.mean.as_slice());
+    line("training flights together", together.std.as_slice())?;
+    line("control study, expected", &EXPECTED_STD)?;
+    line("mean, training together", together.mean.as_slice())
 }

@@ -1,8 +1,7 @@
 //! `twin export csv`.
 
-use std::fs::File;
-use std::io::{BufWriter, Write};
-use std::path::PathBuf;
+use std::io::Write;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Args;
@@ -10,20 +9,23 @@ use twin_core::notation::{COORDINATE_NAMES, KnownCoords, N};
 use twin_core::tick::Tick;
 use twin_foreign::OpenedFlight;
 use twin_foreign::Shadow;
+use twin_record::output::note;
 use twin_record::read_recording;
 
-use super::End;
+use super::{End, Overwrite};
 
 #[derive(Args)]
 pub(super) struct CsvArgs {
     /// A recording of this program, or of a real flight (MCAP, ULog), which is flown in shadow.
     file: PathBuf,
-    /// Where to write it [default: standard output].
+    /// The table, in an existing folder; `-` is stdout [default: stdout].
     #[arg(long, short, value_name = "FILE.csv")]
     output: Option<PathBuf>,
     /// Which messages mean what, as for `twin mirror`.
     #[arg(long, value_name = "TOPICS.toml")]
     map: Option<String>,
+    #[command(flatten)]
+    overwrite: Overwrite,
 }
 
 /// One group of eight columns, one per coordinate: name stem and how to read its values from a tick.
@@ -41,30 +43,15 @@ const GROUPS: [Group; 8] = [
 ];
 
 pub(super) fn run(args: &CsvArgs) -> anyhow::Result<End> {
-    let mut out: Box<dyn Write> = match &args.output {
-        Some(path) => Box::new(BufWriter::new(
-            File::create(path).with_context(|| format!("{}: cannot be written", path.display()))?,
-        )),
-        None => Box::new(BufWriter::new(std::io::stdout().lock())),
-    };
-    let written = write(args, &mut out).and_then(|rows| {
-        out.flush()?;
-        Ok(rows)
-    });
-    match written {
-        Ok(rows) => {
-            eprintln!("{rows} ticks, {} columns; SI units, empty is unknown", columns().len());
-            Ok(End::Passed)
-        }
-        // A reader that closes the pipe early is no failure.
-        Err(error) if is_closed_pipe(&error) => Ok(End::Passed),
-        Err(error) => Err(error),
-    }
-}
-
-fn is_closed_pipe(error: &anyhow::Error) -> bool {
-    let io = error.downcast_ref::<std::io::Error>();
-    io.is_some_and(|error| error.kind() == std::io::ErrorKind::BrokenPipe)
+    let outputs = args.overwrite.outputs();
+    outputs.protect([&args.file]);
+    outputs.protect(&args.map);
+    let path = args.output.as_deref().unwrap_or_else(|| Path::new("-"));
+    let mut out = outputs.reserve(path, "--output")?.open()?;
+    let rows = write(args, &mut out)?;
+    out.finish()?;
+    note(format_args!("{rows} ticks, {} columns; SI units, empty is unknown", columns().len()));
+    Ok(End::Passed)
 }
 
 fn columns() -> Vec<String> {

@@ -1,5 +1,6 @@
 //! `twin fly`.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -7,11 +8,12 @@ use anyhow::Context;
 use clap::Args;
 use twin_console::server::{ServeOptions, serve};
 use twin_core::quantity;
-use twin_record::{Recorder, RecordingEnd};
+use twin_record::output::note;
+use twin_record::{Outputs, Recorder, RecordingEnd};
 use twin_scenario::run::event_lines;
 use twin_scenario::{Report, Scenario, fly};
 
-use super::{End, Overrides, default_scenario};
+use super::{End, Overrides, Overwrite, default_scenario, print};
 
 #[derive(Args, Clone)]
 #[allow(clippy::struct_excessive_bools, reason = "each is a flag of the command line")]
@@ -27,7 +29,8 @@ pub(super) struct FlyArgs {
     /// Seed instead of the scenario's.
     #[arg(long)]
     seed: Option<u64>,
-    /// Record the flight as MCAP (opens in Foxglove, Lichtblick, Rerun and PlotJuggler).
+    /// Record the flight as MCAP (opens in Foxglove, Lichtblick, Rerun and PlotJuggler). If the file exists, the recording goes to
+    /// FILE-2.mcap, FILE-3.mcap, …
     #[arg(long, value_name = "FILE.mcap")]
     record: Option<PathBuf>,
     /// Simulated seconds per second, or `max`.
@@ -51,6 +54,8 @@ pub(super) struct FlyArgs {
     /// Serve Foxglove on this port too (8765 is its default); any page in the browser can then watch and set gains.
     #[arg(long, value_name = "PORT", conflicts_with = "headless")]
     foxglove_port: Option<u16>,
+    #[command(flatten)]
+    overwrite: Overwrite,
     #[command(flatten)]
     overrides: Overrides,
 }
@@ -84,14 +89,18 @@ pub(super) fn run(args: &FlyArgs) -> anyhow::Result<End> {
     if args.headless {
         return headless(&scenario, args);
     }
+    let catalogue = catalogue(&file, &args.overrides.set);
+    let outputs = args.overwrite.outputs();
+    outputs.protect(catalogue.iter().map(|known| &known.file));
     serve(ServeOptions {
-        catalogue: catalogue(&file, &args.overrides.set),
+        catalogue,
         scenario,
         host: args.host.clone(),
         port: args.port,
         speed: args.speed.0,
         start_paused: args.start_paused,
         record: args.record.clone(),
+        outputs,
         viewer_dir: args.viewer_dir.clone().or_else(super::viewers::default_folder),
         foxglove_port: args.foxglove_port,
     })?;
@@ -121,14 +130,13 @@ fn headless(scenario: &Scenario, args: &FlyArgs) -> anyhow::Result<End> {
         reason = "the real-time factor needs a clock; the flight does not see it"
     )]
     let started = std::time::Instant::now();
-    let mut recorder = match &args.record {
-        Some(path) => Some(Recorder::create(path, &scenario.recording_info(&scenario.tuning()?)?)?),
-        None => None,
-    };
+    let outputs = args.overwrite.outputs();
+    let mut recorder = record(scenario, args, &outputs)?;
+    let recording = recorder.as_ref().map(|recorder| recorder.path().to_owned());
     let mut trouble = None;
     let mut report = fly(scenario, &mut |tick| {
         if !args.json {
-            event_lines(tick).for_each(|line| eprintln!("{line}"));
+            event_lines(tick).for_each(|line| note(format_args!("{line}")));
         }
         if let Some(recorder) = &mut recorder
             && trouble.is_none()
@@ -150,28 +158,57 @@ fn headless(scenario: &Scenario, args: &FlyArgs) -> anyhow::Result<End> {
             ),
         };
         let written = recorder.finish(end)?;
-        eprintln!("{} ticks recorded", written.ticks);
+        note(format_args!("{} ticks recorded", written.ticks));
     }
     report.real_time_factor = Some(report.flight_s / started.elapsed().as_secs_f64().max(1e-9));
-    if args.json {
-        println!("{}", serde_json::to_string(&report)?);
-    } else {
-        print_report(&report);
-    }
+    print(&outputs, |out| {
+        if args.json {
+            let mut value = serde_json::to_value(&report)?;
+            if let Some(path) = recording {
+                value["recording"] = path.display().to_string().into();
+            }
+            writeln!(out, "{value}")?;
+        } else {
+            print_report(out, &report)?;
+        }
+        Ok(())
+    })?;
     Ok(if report.passed { End::Passed } else { End::Failed })
 }
 
-fn print_report(report: &Report) {
+/// Starts the recording that the flags ask for, and tells its name if it is another than they gave.
+fn record(
+    scenario: &Scenario,
+    args: &FlyArgs,
+    outputs: &Outputs,
+) -> anyhow::Result<Option<Recorder>> {
+    let Some(path) = &args.record else { return Ok(None) };
+    let info = scenario.recording_info(&scenario.tuning()?)?;
+    outputs.protect(scenario.input_files());
+    let file = outputs.recording(path, "--record")?;
+    if let Some(renamed) = file.renamed() {
+        note(renamed);
+    }
+    Ok(Some(Recorder::start(file, &info)?))
+}
+
+fn print_report(out: &mut dyn Write, report: &Report) -> std::io::Result<()> {
     let factor = report.real_time_factor.unwrap_or(0.0);
-    println!("{} (seed {}): {:?}: {}", report.scenario, report.seed, report.verdict, report.reason);
-    println!(
+    writeln!(
+        out,
+        "{} (seed {}): {:?}: {}",
+        report.scenario, report.seed, report.verdict, report.reason
+    )?;
+    writeln!(
+        out,
         "  {:.1} s flown, {factor:.1} x real time, state hash {}, kernel {}",
         report.flight_s, report.state_hash, report.kernel
-    );
+    )?;
     for (name, value) in &report.metrics {
-        println!("  {name:28} {value:10.4}");
+        writeln!(out, "  {name:28} {value:10.4}")?;
     }
     for broken in &report.broken {
-        println!("  BROKEN: {broken}");
+        writeln!(out, "  BROKEN: {broken}")?;
     }
+    Ok(())
 }

@@ -1,5 +1,6 @@
 //! `twin mirror`.
 
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
@@ -14,11 +15,13 @@ use twin_foreign::live::{From, is_address};
 use twin_foreign::{Live, OpenedFlight, stand_in};
 use twin_foreign::{Shadow, ShadowReport};
 use twin_lab::evaluate::mirrored::FlightPicture;
-use twin_record::{Recorder, RecordingEnd, RecordingInfo};
+use twin_plant::model::Packages;
+use twin_record::output::note;
+use twin_record::{Outputs, Recorder, RecordingEnd, RecordingInfo};
 
-use super::End;
 use super::fly::{Speed, parse_speed};
 use super::mirror_beside as beside;
+use super::{End, Overwrite, print};
 
 /// Time without data after which the program says what it waits for.
 const TOLD: Duration = Duration::from_secs(5);
@@ -37,10 +40,11 @@ pub(super) struct MirrorArgs {
     /// Print exactly one JSON object on stdout (with --headless).
     #[arg(long, requires = "headless")]
     json: bool,
-    /// Record the flight with residuals and predictions as MCAP (with --headless).
+    /// Record the flight with residuals and predictions as MCAP (with --headless). If the file exists, the recording goes to
+    /// FILE-2.mcap, FILE-3.mcap, …
     #[arg(long, value_name = "FILE.mcap", requires = "headless")]
     record: Option<PathBuf>,
-    /// Draw thrust, residual and adapter over the flight as SVG (with --headless).
+    /// Draw thrust, residual and adapter over the flight as SVG, in an existing folder; `-` is stdout (with --headless).
     #[arg(long, value_name = "FILE.svg", requires = "headless")]
     plot: Option<PathBuf>,
     /// The twin that flies beside the recording (with --headless) [default: one rigid body of the mass and inertia that are known].
@@ -73,6 +77,8 @@ pub(super) struct MirrorArgs {
     /// Serve Foxglove on this port too (8765 is its default); any page in the browser can then watch, pause and seek.
     #[arg(long, value_name = "PORT", conflicts_with = "headless")]
     foxglove_port: Option<u16>,
+    #[command(flatten)]
+    overwrite: Overwrite,
 }
 
 pub(super) fn run(args: &MirrorArgs) -> anyhow::Result<End> {
@@ -83,30 +89,65 @@ pub(super) fn run(args: &MirrorArgs) -> anyhow::Result<End> {
     }
     let opened = open(args)?;
     for problem in &opened.survey.container.problems {
-        eprintln!("{}: {problem}", args.file.display());
+        note(format_args!("{}: {problem}", args.file.display()));
     }
     if !args.headless {
         serve_mirror(options(args, opened, None))?;
         return Ok(End::Passed);
     }
-    let shadow = Shadow::of(&opened);
-    let twin = beside::twin(args.urdf.as_deref(), &opened)?;
-    let mut picture = args.plot.as_ref().map(|_| FlightPicture::new(opened.recorded.mass_kg));
-    let report = fly(&opened, &shadow, args.record.as_deref(), picture.as_mut())?;
-    if let (Some(file), Some(picture)) = (&args.plot, &picture) {
-        std::fs::write(file, picture.svg(&opened.name()))
-            .with_context(|| format!("{}: the picture cannot be written", file.display()))?;
-    }
-    let divergence = beside::Divergence::new(&opened, &shadow, twin, args.fly_from)?;
+    headless(args, &opened)
+}
+
+/// Reads the flight to its end, and prints what was found.
+fn headless(args: &MirrorArgs, opened: &OpenedFlight) -> anyhow::Result<End> {
+    let outputs = args.overwrite.outputs();
+    outputs.protect([&args.file]);
+    outputs.protect(args.map.iter());
+    outputs.protect(args.urdf.iter().flat_map(|urdf| Packages::default().files(urdf)));
     if args.json {
-        let mut found = json(&opened, &report);
-        found["divergence"] = divergence.json();
-        println!("{found}");
-    } else {
-        print(&opened, &report);
-        divergence.print();
+        outputs.reserve_stdout("--json")?;
     }
+    let plot = args.plot.as_ref().map(|plot| outputs.reserve(plot, "--plot")).transpose()?;
+    let shadow = Shadow::of(opened);
+    let twin = beside::twin(args.urdf.as_deref(), opened)?;
+    let mut recorder = record(args.record.as_deref(), opened, &shadow, &outputs)?;
+    let recording = recorder.as_ref().map(|recorder| recorder.path().to_owned());
+    let mut picture = plot.as_ref().map(|_| FlightPicture::new(opened.recorded.mass_kg));
+    let report = fly(opened, &shadow, recorder.take(), picture.as_mut())?;
+    if let (Some(output), Some(picture)) = (plot, &picture) {
+        output.write(picture.svg(&opened.name()).as_bytes())?;
+    }
+    let divergence = beside::Divergence::new(opened, &shadow, twin, args.fly_from)?;
+    print(&outputs, |out| {
+        if args.json {
+            let mut found = json(opened, &report);
+            found["divergence"] = divergence.json();
+            if let Some(path) = recording {
+                found["recording"] = path.display().to_string().into();
+            }
+            writeln!(out, "{found}")?;
+        } else {
+            print_report(out, opened, &report)?;
+            divergence.print(out)?;
+        }
+        Ok(())
+    })?;
     Ok(End::Passed)
+}
+
+/// Starts the recording at `path`, and tells its name if it is another.
+fn record(
+    path: Option<&Path>,
+    opened: &OpenedFlight,
+    shadow: &Shadow,
+    outputs: &Outputs,
+) -> anyhow::Result<Option<Recorder>> {
+    let Some(path) = path else { return Ok(None) };
+    let file = outputs.recording(path, "--record")?;
+    if let Some(renamed) = file.renamed() {
+        note(renamed);
+    }
+    Ok(Some(Recorder::start(file, &recording_info(opened, shadow)?)?))
 }
 
 fn options(args: &MirrorArgs, opened: OpenedFlight, live: Option<Live>) -> MirrorOptions {
@@ -146,8 +187,8 @@ fn hear(from: &From, args: &MirrorArgs) -> anyhow::Result<(Live, OpenedFlight)> 
         if let Some(opened) = live.wait(TOLD) {
             return Ok((live, opened));
         }
-        live.news().iter().for_each(|text| eprintln!("{text}"));
-        eprintln!("{}: waiting for a pose", live.name());
+        live.news().iter().for_each(|text| note(format_args!("{text}")));
+        note(format_args!("{}: waiting for a pose", live.name()));
     }
 }
 
@@ -170,13 +211,9 @@ fn open(args: &MirrorArgs) -> anyhow::Result<OpenedFlight> {
 fn fly(
     opened: &OpenedFlight,
     shadow: &Shadow,
-    record: Option<&Path>,
+    mut recorder: Option<Recorder>,
     mut picture: Option<&mut FlightPicture>,
 ) -> anyhow::Result<ShadowReport> {
-    let mut recorder = match record {
-        Some(path) => Some(Recorder::create(path, &recording_info(opened, shadow)?)?),
-        None => None,
-    };
     let mut trouble = None;
     let mut keep = |tick: &Tick| {
         if let Some(picture) = &mut picture {
@@ -192,7 +229,7 @@ fn fly(
         .fly(&mut keep)
         .with_context(|| format!("{}: no tick to fly", opened.path.display()))?;
     for text in shadow.playback().troubles() {
-        eprintln!("{}: {text}", opened.path.display());
+        note(format_args!("{}: {text}", opened.path.display()));
     }
     if let Some(trouble) = trouble {
         return Err(trouble.into());
@@ -201,7 +238,7 @@ fn fly(
         let state_hash = u64::from_str_radix(&report.state_hash, 16)?;
         let verdict = "mirrored in shadow".to_owned();
         let written = recorder.finish(RecordingEnd { state_hash, verdict })?;
-        eprintln!("{} ticks recorded", written.ticks);
+        note(format_args!("{} ticks recorded", written.ticks));
     }
     Ok(report)
 }
@@ -256,11 +293,16 @@ fn json(opened: &OpenedFlight, report: &ShadowReport) -> serde_json::Value {
     })
 }
 
-fn print(opened: &OpenedFlight, report: &ShadowReport) {
+fn print_report(
+    out: &mut dyn Write,
+    opened: &OpenedFlight,
+    report: &ShadowReport,
+) -> io::Result<()> {
     let OpenedFlight { path, map_name, signals, recorded, .. } = opened;
-    println!("{} (map {map_name})", path.display());
+    writeln!(out, "{} (map {map_name})", path.display())?;
     for used in &signals.used {
-        println!(
+        writeln!(
+            out,
             "  {:<17} {} {:.1} Hz, {} gaps, longest {:.3} s, clock {:?}, latency {:+.1} ms; left out: {} twice, {} back in time, {} not finite, {} repeated, {} merged",
             format!("{:?}", used.quantity),
             used.topic,
@@ -274,32 +316,35 @@ fn print(opened: &OpenedFlight, report: &ShadowReport) {
             used.timing.not_finite,
             used.timing.repeated,
             used.timing.merged,
-        );
+        )?;
     }
     for note in &signals.notes {
-        println!("  note: {note}");
+        writeln!(out, "  note: {note}")?;
     }
     if opened.per_kilogram() {
-        println!("  the mass is unknown: forces are per kilogram");
+        writeln!(out, "  the mass is unknown: forces are per kilogram")?;
     }
-    println!(
+    writeln!(
+        out,
         "  acceleration of translation from {:?}, of rotation from {:?}",
         recorded.acceleration[0], recorded.acceleration[1]
-    );
-    println!("  {}", opened.force_sentence());
-    println!("  {}", opened.torque_sentence());
-    print_shadow(report);
+    )?;
+    writeln!(out, "  {}", opened.force_sentence())?;
+    writeln!(out, "  {}", opened.torque_sentence())?;
+    print_shadow(out, report)
 }
 
-fn print_shadow(report: &ShadowReport) {
-    println!(
+fn print_shadow(out: &mut dyn Write, report: &ShadowReport) -> io::Result<()> {
+    writeln!(
+        out,
         "  {} ticks, {:.1} s, {} in the air, {} without a residual there",
         report.ticks, report.flight_s, report.airborne_ticks, report.held_ticks
-    );
+    )?;
     for row in &report.scored.rows {
         match &row.residual {
-            None => println!("  r {:6} unknown", row.row),
-            Some(r) => println!(
+            None => writeln!(out, "  r {:6} unknown", row.row)?,
+            Some(r) => writeln!(
+                out,
                 "  r {:6} {:9.4} +- {:.4} {} ({:.4} .. {:.4}), known {:.0} %",
                 row.row,
                 r.mean,
@@ -308,17 +353,19 @@ fn print_shadow(report: &ShadowReport) {
                 r.min,
                 r.max,
                 100.0 * row.residual_known
-            ),
+            )?,
         }
     }
-    println!("  predictor: {}; resets at {:?} s", report.predictor, report.resets_s);
+    writeln!(out, "  predictor: {}; resets at {:?} s", report.predictor, report.resets_s)?;
     for horizon in &report.scored.prediction {
         let text = |v: Option<f64>| v.map_or_else(|| "-".to_owned(), |v| format!("{v:.4}"));
-        println!(
+        writeln!(
+            out,
             "  j = {}: RMSE {} z, persistence {} z",
             horizon.j,
             text(horizon.rmse_z),
             text(horizon.persistence_rmse_z)
-        );
+        )?;
     }
+    Ok(())
 }

@@ -1,5 +1,6 @@
 //! The twin that flies beside a recording, for `twin mirror --headless`.
 
+use std::io::{self, Write};
 use std::path::Path;
 
 use anyhow::Context;
@@ -65,12 +66,13 @@ impl Divergence {
         found
     }
 
-    pub(super) fn print(&self) {
+    pub(super) fn print(&self, out: &mut dyn Write) -> io::Result<()> {
         let DivergenceReport { twin, commands, flights, horizons, .. } = &self.report;
-        println!("  twin beside it: {twin}; {commands}; {flights} flights of 1 s");
+        writeln!(out, "  twin beside it: {twin}; {commands}; {flights} flights of 1 s")?;
         for horizon in horizons {
             for axis in &horizon.axes {
-                println!(
+                writeln!(
+                    out,
                     "  after {:.1} s {:6} {:.3} {} ({:?}); with the residual {:.3} ({:?}); coasting {:.3}",
                     horizon.horizon_s,
                     axis.row,
@@ -80,11 +82,11 @@ impl Divergence {
                     axis.with_residual_rms,
                     axis.light_with_residual,
                     axis.coasting_rms,
-                );
+                )?;
             }
         }
-        let Some(shot) = &self.from else { return };
-        println!("  from {:.2} s, miss of twin, with the residual, coasting:", shot.t_s);
+        let Some(shot) = &self.from else { return Ok(()) };
+        writeln!(out, "  from {:.2} s, miss of twin, with the residual, coasting:", shot.t_s)?;
         for (ticks, misses) in HORIZONS.iter().zip(&shot.after) {
             for (row, miss) in COORDINATE_NAMES.iter().zip(misses) {
                 let (Some(twin), Some(with), Some(coasting)) =
@@ -93,8 +95,12 @@ impl Divergence {
                     continue;
                 };
                 let after_s = *ticks as f64 * TICK_S;
-                println!("  after {after_s:.1} s {row:6} {twin:+.3} {with:+.3} {coasting:+.3}");
+                writeln!(
+                    out,
+                    "  after {after_s:.1} s {row:6} {twin:+.3} {with:+.3} {coasting:+.3}"
+                )?;
             }
         }
+        Ok(())
     }
 }

@@ -20,12 +20,14 @@ mod export_viewers;
 #[cfg(feature = "train")]
 mod allocator;
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::Context;
 use clap::{Args, Parser, Subcommand};
 use twin_core::residual::weights::Weights;
+use twin_record::output::{OutputError, Outputs, note};
 
 /// Digital twin of an aerial manipulator: contacts, residual learning, adaptive control, live console.
 #[derive(Parser)]
@@ -49,7 +51,7 @@ const EXAMPLES: &str = "Examples:
   twin export html flight.mcap                  one page of a recorded flight, for any browser
   twin export viser flight.mcap -o flight.viser the flight for viser; `twin export meshcat` for MeshCat
   twin mirror flight.mcap --headless --json     a real flight through the loop in shadow
-  twin export csv flight.mcap -o flight.csv     ticks, residuals and predictions as CSV
+  twin export csv flight.mcap -o flight.csv     ticks, residuals and predictions as CSV; `-o -` is stdout
   twin info flight.mcap                         what a recording holds, and what is wrong with it
   twin check scenarios/*.toml urdf/*.urdf       are these files usable?
   twin train flights/*.mcap                     the residual's model from recorded flights
@@ -103,6 +105,21 @@ struct Overrides {
     set: Vec<String>,
 }
 
+/// The flag of every command that writes files.
+#[derive(Args, Clone)]
+struct Overwrite {
+    /// Replace output files that exist. Without it the command refuses them, and a recording takes the next free number.
+    #[arg(long)]
+    overwrite: bool,
+}
+
+impl Overwrite {
+    /// The outputs of this run.
+    fn outputs(&self) -> Outputs {
+        Outputs::new(self.overwrite)
+    }
+}
+
 /// The outcome of a command, which determines its exit code.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum End {
@@ -112,11 +129,12 @@ enum End {
 }
 
 pub(crate) fn main() -> ExitCode {
-    end_with_the_reader();
     let cli = Cli::parse();
     tracing_subscriber::fmt()
         .with_writer(std::io::stderr)
         .with_target(false)
+        // A log line that a full stderr does not take is lost; reporting that on stderr would panic.
+        .log_internal_errors(false)
         .with_env_filter(tracing_subscriber::EnvFilter::new("warn,twin=info"))
         .init();
     let result = match cli.command {
@@ -132,7 +150,7 @@ pub(crate) fn main() -> ExitCode {
         Some(Command::Export(Export::Meshcat(args))) => export_viewers::meshcat(&args),
         Some(Command::Export(Export::Viser(args))) => export_viewers::viser(&args),
         Some(Command::Export(Export::Csv(args))) => export_csv::run(&args),
-        Some(Command::Check(args)) => Ok(check::run(&args)),
+        Some(Command::Check(args)) => check::run(&args),
         Some(Command::Train(args)) => train::run(&args),
         Some(Command::Viewers(args)) => viewers::run(&args),
     };
@@ -141,8 +159,8 @@ pub(crate) fn main() -> ExitCode {
         Ok(End::Failed) => ExitCode::from(1),
         Ok(End::Unusable) => ExitCode::from(2),
         Err(error) => {
-            eprintln!("error: {}", sentence(&error));
-            ExitCode::from(2)
+            note(format_args!("error: {}", sentence(&error)));
+            ExitCode::from(if is_failed_write(&error) { 1 } else { 2 })
         }
     }
 }
@@ -155,19 +173,23 @@ fn sentence(error: &anyhow::Error) -> String {
     })
 }
 
-/// Ends the program with exit code 0 when the reader of stdout has closed it, as in `twin info FILE | head`. `println!` panics then;
-/// every other panic is handled as usual.
-fn end_with_the_reader() {
-    let usual = std::panic::take_hook();
-    std::panic::set_hook(Box::new(move |info| {
-        let closed = info.payload_as_str().is_some_and(|text| {
-            text.starts_with("failed printing to stdout") && text.contains("Broken pipe")
-        });
-        if closed {
-            std::process::exit(0);
-        }
-        usual(info);
-    }));
+/// Whether an output could not be written to its end, such as on a full disk. That is a failure; every other error is an unusable input.
+fn is_failed_write(error: &anyhow::Error) -> bool {
+    error.chain().any(|cause| {
+        let io = cause.downcast_ref::<std::io::Error>().and_then(std::io::Error::get_ref);
+        let inner = io.and_then(|inner| inner.downcast_ref::<OutputError>());
+        cause.downcast_ref().or(inner).is_some_and(OutputError::is_failed_write)
+    })
+}
+
+/// Prints the results of a command on stdout, or on stderr if one of its outputs has taken stdout.
+fn print(
+    outputs: &Outputs,
+    write: impl FnOnce(&mut dyn Write) -> anyhow::Result<()>,
+) -> anyhow::Result<()> {
+    let mut out = outputs.results();
+    write(&mut out)?;
+    Ok(out.flush()?)
 }
 
 /// Reads the weights in `file`.

@@ -6,13 +6,14 @@ use anyhow::Context;
 use clap::{Args, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 use twin_console::replay;
-use twin_scenario::Report;
+use twin_record::output::{Output, Outputs, note};
 use twin_scenario::suite::{
-    Evidence, Options, Selection, Shard, SuiteReport, junit, merge, page, plan, run,
+    Evidence, Options, Plan, Selection, Shard, SuiteReport, junit, merge, page, plan, run,
 };
+use twin_scenario::{Report, Scenario};
 
 use super::test_table::{line, print_table};
-use super::{End, Overrides};
+use super::{End, Overrides, Overwrite, print};
 
 #[derive(Args)]
 #[command(args_conflicts_with_subcommands = true)]
@@ -49,7 +50,8 @@ struct FlyTests {
     /// Fly only the cases whose name contains this text.
     #[arg(long, value_name = "TEXT")]
     filter: Option<String>,
-    /// Folder for the evidence of each failed flight: its recording, and a page that opens at the failure.
+    /// Folder for the evidence of each failed flight: its recording, and a page that opens at the failure. If they exist, the new ones
+    /// are numbered.
     #[arg(long, value_name = "FOLDER", default_value = "out/failed")]
     artifacts: PathBuf,
     /// Store the flights as golden runs instead of comparing them.
@@ -76,15 +78,40 @@ struct MergeArgs {
 /// The files and formats in which the results are reported.
 #[derive(Args)]
 struct Reports {
-    /// Write the results as `JUnit` XML.
+    /// Write the results as `JUnit` XML; `-` is stdout.
     #[arg(long, value_name = "FILE.xml")]
     junit: Option<PathBuf>,
-    /// Write the results as a page with links to the replays of failed flights.
+    /// Write the results as a page with links to the replays of failed flights; `-` is stdout.
     #[arg(long, value_name = "FILE.html")]
     html: Option<PathBuf>,
     /// Print one JSON object instead of a table; `twin test merge` reads that of a shard.
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    overwrite: Overwrite,
+}
+
+/// The places of the reports, reserved before the first flight.
+struct Places {
+    outputs: Outputs,
+    junit: Option<Output>,
+    html: Option<Output>,
+}
+
+impl Reports {
+    /// Reserves the places; the run reads `inputs`.
+    fn reserve(&self, inputs: impl IntoIterator<Item = PathBuf>) -> anyhow::Result<Places> {
+        let outputs = self.overwrite.outputs();
+        outputs.protect(inputs);
+        if self.json {
+            outputs.reserve_stdout("--json")?;
+        }
+        let place = |path: &Option<PathBuf>, flag| {
+            path.as_ref().map(|path| outputs.reserve_with_folder(path, flag)).transpose()
+        };
+        let (junit, html) = (place(&self.junit, "--junit")?, place(&self.html, "--html")?);
+        Ok(Places { outputs, junit, html })
+    }
 }
 
 /// Seeds for every scenario.
@@ -118,12 +145,14 @@ fn flown(args: &FlyTests) -> anyhow::Result<End> {
         shard: args.shard,
         overrides: args.overrides.set.clone(),
     })?;
+    let places = args.reports.reserve(inputs(&plan, args.update))?;
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let options = Options {
         jobs: args.jobs.unwrap_or(cores),
         fail_fast: args.fail_fast,
         update: args.update,
         evidence: Some(Evidence { folder: args.artifacts.clone(), make_page: Some(replay_page) }),
+        outputs: places.outputs.clone(),
     };
     let bar = ProgressBar::new(plan.cases.len() as u64).with_style(
         ProgressStyle::with_template(
@@ -132,17 +161,34 @@ fn flown(args: &FlyTests) -> anyhow::Result<End> {
         .unwrap_or_else(|_| ProgressStyle::default_bar()),
     );
     let report = run(&plan, &options, &|result| {
-        bar.suspend(|| eprintln!("{}", line(result)));
+        bar.suspend(|| note(format_args!("{}", line(result))));
         bar.inc(1);
     });
     let wall_s = bar.elapsed().as_secs_f64();
     bar.finish_and_clear();
-    hand_over(&report, &args.reports, wall_s)
+    hand_over(&report, places, args.reports.json, wall_s)
 }
 
-/// Writes the replay page of a failed flight, which opens at the failure.
-fn replay_page(recording: &Path, page: &Path, report: &Report) -> Result<f64, String> {
-    replay::export(recording, page, Some(report)).map_err(|error| error.to_string())
+/// The files that the flights read. A golden run is not one of them if it is to be stored anew.
+fn inputs(plan: &Plan, update: bool) -> Vec<PathBuf> {
+    let mut files: Vec<PathBuf> = Vec::new();
+    for case in &plan.cases {
+        if files.contains(&case.file) {
+            continue;
+        }
+        files.push(case.file.clone());
+        // A scenario that cannot be loaded is reported by its flight.
+        if let Ok(mut scenario) = Scenario::load(&case.file, &case.overrides) {
+            scenario.settings.golden = scenario.settings.golden.filter(|_| !update);
+            files.extend(scenario.input_files());
+        }
+    }
+    files
+}
+
+/// The replay page of a failed flight, and the time at which it opens: that of the failure.
+fn replay_page(recording: &Path, report: &Report) -> Result<(String, f64), String> {
+    replay::export(recording, Some(report)).map_err(|error| error.to_string())
 }
 
 fn merged(args: &MergeArgs) -> anyhow::Result<End> {
@@ -153,37 +199,33 @@ fn merged(args: &MergeArgs) -> anyhow::Result<End> {
             .with_context(|| format!("{}: not the output of twin test --json", path.display()))?;
         Ok((path.display().to_string(), report))
     };
+    let places = args.reports.reserve(args.shards.clone())?;
     let shards = args.shards.iter().map(read).collect::<anyhow::Result<Vec<_>>>()?;
     let report = merge(shards)?;
     let wall_s = report.cases.iter().map(|result| result.wall_s).sum();
-    hand_over(&report, &args.reports, wall_s)
+    hand_over(&report, places, args.reports.json, wall_s)
 }
 
 /// Writes and prints the results, and returns the outcome of the command.
-fn hand_over(report: &SuiteReport, wanted: &Reports, wall_s: f64) -> anyhow::Result<End> {
-    if let Some(path) = &wanted.junit {
-        write(path, &junit::xml(report)?, "--junit")?;
+fn hand_over(report: &SuiteReport, places: Places, json: bool, wall_s: f64) -> anyhow::Result<End> {
+    if let Some(output) = places.junit {
+        output.write(junit::xml(report)?.as_bytes())?;
     }
-    if let Some(path) = &wanted.html {
-        let folder = path.parent().unwrap_or_else(|| Path::new(""));
-        write(path, &page::html(report, folder, wall_s), "--html")?;
+    if let Some(output) = places.html {
+        let folder = output.path().parent().unwrap_or_else(|| Path::new("")).to_owned();
+        output.write(page::html(report, &folder, wall_s).as_bytes())?;
     }
-    if wanted.json {
-        println!("{}", serde_json::to_string(report)?);
-    } else {
-        print_table(report, wall_s);
-    }
+    print(&places.outputs, |out| {
+        if json {
+            writeln!(out, "{}", serde_json::to_string(report)?)?;
+        } else {
+            print_table(out, report, wall_s)?;
+        }
+        Ok(())
+    })?;
     Ok(match (report.could_not_run, report.failed) {
         (0, 0) => End::Passed,
         (0, _) => End::Failed,
         _ => End::Unusable,
     })
-}
-
-fn write(path: &Path, text: &str, flag: &str) -> anyhow::Result<()> {
-    if let Some(folder) = path.parent() {
-        std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-    }
-    std::fs::write(path, text)
-        .with_context(|| format!("{}: cannot be written; choose another {flag}", path.display()))
 }

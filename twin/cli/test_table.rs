@@ -1,6 +1,7 @@
 //! Prints the results of `twin test` in a terminal.
 
-use std::fmt::Write;
+use std::fmt::Write as _;
+use std::io::{self, Write};
 
 use twin_scenario::suite::{CaseResult, Successes, SuiteReport};
 
@@ -21,11 +22,20 @@ pub(super) fn line(result: &CaseResult) -> String {
     text
 }
 
-pub(super) fn print_table(report: &SuiteReport, wall_s: f64) {
-    println!("{:18} {:28} {:>5} {:10} {:>8}  state hash", "result", "case", "seed", "verdict", "s");
+pub(super) fn print_table(
+    out: &mut dyn Write,
+    report: &SuiteReport,
+    wall_s: f64,
+) -> io::Result<()> {
+    writeln!(
+        out,
+        "{:18} {:28} {:>5} {:10} {:>8}  state hash",
+        "result", "case", "seed", "verdict", "s"
+    )?;
     for result in report.cases.iter().filter(|result| result.case.sample.is_none()) {
         match result.report() {
-            Some(report) => println!(
+            Some(report) => writeln!(
+                out,
                 "{:18} {:28} {:>5} {:10} {:8.2}  {}",
                 result.word(),
                 result.case.name,
@@ -33,10 +43,12 @@ pub(super) fn print_table(report: &SuiteReport, wall_s: f64) {
                 report.verdict.to_string(),
                 report.flight_s,
                 report.state_hash
-            ),
-            None => println!("{:18} {}", result.word(), result.case.name),
+            )?,
+            None => writeln!(out, "{:18} {}", result.word(), result.case.name)?,
         }
-        result.message().lines().for_each(|line| println!("    {line}"));
+        for line in result.message().lines() {
+            writeln!(out, "    {line}")?;
+        }
     }
     for sweep in &report.sweeps {
         let word = match sweep.passed {
@@ -44,18 +56,20 @@ pub(super) fn print_table(report: &SuiteReport, wall_s: f64) {
             Some(false) => "FAILED",
             None => "incomplete",
         };
-        println!("{word:18} {}: {}", sweep.plan.name, sweep.sentence());
+        writeln!(out, "{word:18} {}: {}", sweep.plan.name, sweep.sentence())?;
     }
     for (name, Successes { passed, flown, interval_95: (low, high) }) in &report.shares {
-        println!("{name}: {passed} of {flown} passed, 95 % interval {low:.3} to {high:.3}");
+        writeln!(out, "{name}: {passed} of {flown} passed, 95 % interval {low:.3} to {high:.3}")?;
     }
     let flown_s = report.flown_s();
-    println!(
+    writeln!(
+        out,
         "{} passed, {} failed, {} could not run, {} not run; {flown_s:.0} s flown in {wall_s:.1} s, {:.1} x real time",
         report.passed,
         report.failed,
         report.could_not_run,
         report.not_run,
         flown_s / wall_s.max(1e-9)
-    );
+    )?;
+    Ok(())
 }

@@ -6,8 +6,11 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use twin_core::residual::weights::ModelKind;
 use twin_lab::learn::config::TrainConfig;
+use twin_record::Outputs;
+#[cfg(feature = "train")]
+use twin_record::output::{Output, make_folder, note};
 
-use super::End;
+use super::{End, Overwrite, print};
 
 const HELP: &str = "\
 What it does: reads the flights, cuts them into windows of 1.2 s, and fits a model that forecasts the residual of the next
@@ -54,7 +57,7 @@ pub(super) struct TrainArgs {
     /// Seed of initialisation, order of the windows and noise.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// File of weights, or with `--all` their folder [default: out/weights/MODEL.safetensors].
+    /// File of weights, or with `--all` their folder [default: out/weights/MODEL.safetensors]. The checkpoint goes beside it.
     #[arg(long, value_name = "W.safetensors")]
     out: Option<PathBuf>,
     /// Device: all cores, or a graphics processor through Vulkan (built with `--features gpu`).
@@ -63,7 +66,7 @@ pub(super) struct TrainArgs {
     /// Resume from the checkpoint beside the file of weights.
     #[arg(long)]
     resume: bool,
-    /// Picture of the learning curve [default: beside the file of weights].
+    /// Picture of the learning curve; `-` is stdout [default: beside the file of weights].
     #[arg(long, value_name = "C.svg", conflicts_with = "all")]
     curve: Option<PathBuf>,
     /// Print the settings in force as TOML and end.
@@ -72,6 +75,8 @@ pub(super) struct TrainArgs {
     /// Print exactly one JSON object on stdout.
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    overwrite: Overwrite,
 }
 
 /// Device of a training.
@@ -123,9 +128,12 @@ struct Job {
 pub(super) fn run(args: &TrainArgs) -> anyhow::Result<End> {
     let jobs = jobs(args)?;
     if args.print_config {
-        for job in &jobs {
-            println!("{}", toml::to_string(&job.config)?);
-        }
+        print(&Outputs::default(), |out| {
+            for job in &jobs {
+                writeln!(out, "{}", toml::to_string(&job.config)?)?;
+            }
+            Ok(())
+        })?;
         return Ok(End::Passed);
     }
     train(args, &jobs)
@@ -175,13 +183,24 @@ fn jobs(args: &TrainArgs) -> anyhow::Result<Vec<Job>> {
 #[cfg(feature = "train")]
 fn train(args: &TrainArgs, jobs: &[Job]) -> anyhow::Result<End> {
     use twin_lab::learn::{Dataset, device};
+    let data = flights(&args.data)?;
+    let outputs = args.overwrite.outputs();
+    outputs.protect(&data);
+    outputs.protect([&args.config]);
+    if args.json {
+        outputs.reserve_stdout("--json")?;
+    }
+    let curves = jobs
+        .iter()
+        .map(|job| places(&outputs, args.resume, job))
+        .collect::<anyhow::Result<Vec<_>>>()?;
     device::choose(match args.device {
         Where::Cpu => device::DeviceKind::Cpu,
         Where::Gpu => device::DeviceKind::Gpu,
     })?;
     super::allocator::keep_memory();
-    let data = Dataset::read(&flights(&args.data)?)?;
-    eprintln!(
+    let data = Dataset::read(&data)?;
+    note(format_args!(
         "{} flights, {} usable ticks of {}, {} channels, {} coordinates of the residual, data {}",
         data.flights.len(),
         data.usable_ticks(),
@@ -189,20 +208,42 @@ fn train(args: &TrainArgs, jobs: &[Job]) -> anyhow::Result<End> {
         data.channel_names.len(),
         data.output_names.len(),
         &data.hash()[..12],
-    );
+    ));
     if !data.left_out.is_empty() {
-        eprintln!("left out because not every flight knows them: {}", data.left_out.join(", "));
+        note(format_args!(
+            "left out because not every flight knows them: {}",
+            data.left_out.join(", ")
+        ));
     }
-    let results = jobs.iter().map(|job| one(args, &data, job)).collect::<Result<Vec<_>, _>>()?;
+    let jobs = jobs.iter().zip(curves);
+    let results =
+        jobs.map(|(job, curve)| one(args, &data, job, curve)).collect::<Result<Vec<_>, _>>()?;
     if args.json {
         let value = if args.all {
             serde_json::json!({ "models": results })
         } else {
             results.into_iter().next().unwrap_or_default()
         };
-        println!("{value}");
+        print(&outputs, |out| Ok(writeln!(out, "{value}")?))?;
     }
     Ok(End::Passed)
+}
+
+/// Refuses places that the files of a training cannot have, before it begins. Returns the place of the curve.
+#[cfg(feature = "train")]
+fn places(outputs: &Outputs, resume: bool, job: &Job) -> anyhow::Result<Output> {
+    use anyhow::Context;
+    let checkpoint = twin_lab::learn::checkpoint::path_for(&job.out);
+    if let Some(folder) = job.out.parent() {
+        make_folder(folder, "--out")?;
+    }
+    outputs.may_write(&job.out, "--out")?;
+    if !resume {
+        outputs
+            .may_write(&checkpoint, "--out")
+            .context("the checkpoint of another training is there; --resume continues that one")?;
+    }
+    Ok(outputs.reserve_with_folder(&job.curve, "--curve")?)
 }
 
 /// The files as they are; for a folder, its `collect_*.mcap` in the order of their names.
@@ -244,10 +285,10 @@ fn train_with_bar(
         if let Some(record) = progress.finished {
             let line = format!("validation {:.4}", record.validation_loss);
             bar.suspend(|| {
-                eprintln!(
+                note(format_args!(
                     "epoch {:>3}  training {:.4}  {line}  rate {:.1e}  {:.1} s",
                     record.epoch, record.train_loss, record.learning_rate, record.wall_s
-                );
+                ));
             });
             words = line;
         } else {
@@ -268,12 +309,15 @@ fn one(
     args: &TrainArgs,
     data: &twin_lab::learn::Dataset,
     job: &Job,
+    curve: Output,
 ) -> anyhow::Result<serde_json::Value> {
+    let outputs = curve.outputs().clone();
     let request = twin_lab::learn::train::Request {
         config: &job.config,
         seed: args.seed,
         resume: args.resume,
         out: &job.out,
+        outputs: &outputs,
         git: twin_record::program::commit(),
     };
     let outcome = train_with_bar(data, &request)?;
@@ -287,19 +331,22 @@ fn one(
     );
     let picture =
         twin_lab::learn::curve::svg(&title, &outcome.curve, training.best_epoch as usize)?;
-    twin_lab::learn::file::write_whole(&job.curve, picture.as_bytes())?;
+    curve.write(picture.as_bytes())?;
     let validation = training.validation_loss.unwrap_or(f64::NAN);
     let r2 = 1.0 - validation / outcome.validation_variance;
     if !args.json {
-        println!(
-            "{}: {} epochs, the best is {}; validation loss {validation:.4} (forecast of the mean: {:.4}), R² {r2:.4}; {:.1} min; curve {}",
-            job.out.display(),
-            training.epochs,
-            training.best_epoch,
-            outcome.validation_variance,
-            training.wall_s / 60.0,
-            job.curve.display(),
-        );
+        print(&outputs, |out| {
+            Ok(writeln!(
+                out,
+                "{}: {} epochs, the best is {}; validation loss {validation:.4} (forecast of the mean: {:.4}), R² {r2:.4}; {:.1} min; curve {}",
+                job.out.display(),
+                training.epochs,
+                training.best_epoch,
+                outcome.validation_variance,
+                training.wall_s / 60.0,
+                job.curve.display(),
+            )?)
+        })?;
     }
     Ok(serde_json::json!({
         "out": job.out,

@@ -8,6 +8,7 @@ use anyhow::{Context, bail};
 use clap::{Args, Subcommand};
 use sha2::{Digest, Sha256};
 use twin_console::server::viewers::{DRAKE, MESHCAT, VISER, Wheel};
+use twin_record::output::{install, make_folder, note};
 
 use super::End;
 
@@ -52,11 +53,16 @@ pub(super) fn run(args: &ViewersArgs) -> anyhow::Result<End> {
     for wheel in [MESHCAT, VISER].into_iter().chain(drake.then_some(DRAKE)) {
         let target = folder.join(wheel.folder());
         if wheel.files.iter().all(|(_, name)| target.join(name).is_file()) {
-            eprintln!("{} {} is already in {}", wheel.package, wheel.version, target.display());
+            note(format_args!(
+                "{} {} is already in {}",
+                wheel.package,
+                wheel.version,
+                target.display()
+            ));
             continue;
         }
         fetch(&wheel, &folder).with_context(|| format!("{} {}", wheel.package, wheel.version))?;
-        eprintln!("{} {} is in {}", wheel.package, wheel.version, target.display());
+        note(format_args!("{} {} is in {}", wheel.package, wheel.version, target.display()));
     }
     Ok(End::Passed)
 }
@@ -64,16 +70,16 @@ pub(super) fn run(args: &ViewersArgs) -> anyhow::Result<End> {
 /// Downloads a wheel, checks it and unpacks it in a temporary folder, then moves the files that are kept to `folder`.
 fn fetch(wheel: &Wheel, folder: &Path) -> anyhow::Result<()> {
     let work = folder.join(format!(".{}.{}", wheel.folder(), std::process::id()));
-    std::fs::create_dir_all(&work).with_context(|| format!("cannot create {}", work.display()))?;
+    make_folder(&work, "--dir")?;
     let done = fetch_into(wheel, folder, &work);
     if let Err(error) = std::fs::remove_dir_all(&work) {
-        eprintln!("{} is left behind: {error}", work.display());
+        note(format_args!("{} is left behind: {error}", work.display()));
     }
     done
 }
 
 fn fetch_into(wheel: &Wheel, folder: &Path, work: &Path) -> anyhow::Result<()> {
-    eprintln!("downloading {} {} with pip", wheel.package, wheel.version);
+    note(format_args!("downloading {} {} with pip", wheel.package, wheel.version));
     let pinned = format!("{}=={}", wheel.package, wheel.version);
     let flags = ["--no-deps", "--only-binary=:all:", "--quiet", "--disable-pip-version-check"];
     let tags = wheel.pip_flags();
@@ -89,11 +95,9 @@ fn fetch_into(wheel: &Wheel, folder: &Path, work: &Path) -> anyhow::Result<()> {
     python(&[&["-c", UNPACK, &wheel.file_name()], &kept[..]].concat(), work)
         .context("the wheel could not be unpacked")?;
     let target = folder.join(wheel.folder());
-    std::fs::create_dir_all(&target)
-        .with_context(|| format!("cannot create {}", target.display()))?;
+    make_folder(&target, "--dir")?;
     for (path, name) in wheel.files {
-        std::fs::rename(work.join("wheel").join(path), target.join(name))
-            .with_context(|| format!("cannot keep {path} of the wheel"))?;
+        install(&work.join("wheel").join(path), &target.join(name))?;
     }
     Ok(())
 }

@@ -1,5 +1,6 @@
 //! `twin evaluate ablation`: the ablation table.
 
+use std::io::{self, Write};
 use std::path::PathBuf;
 
 use anyhow::Context;
@@ -7,10 +8,11 @@ use clap::Args;
 use twin_lab::evaluate::ablation::{
     VARIANTS, Variant, flown, measure, over_horizon, sheet, statistics,
 };
+use twin_record::output::note;
 use twin_scenario::Scenario;
 
 use super::output::Output;
-use crate::cli::{End, Overrides, read_weights};
+use crate::cli::{End, Overrides, print, read_weights};
 
 #[derive(Args)]
 pub(super) struct AblationArgs {
@@ -39,6 +41,10 @@ pub(super) struct AblationArgs {
 }
 
 pub(super) fn run(args: &AblationArgs) -> anyhow::Result<End> {
+    let parts =
+        [&args.without_global_token, &args.without_short_horizon, &args.without_long_memory];
+    let inputs = parts.into_iter().flatten().chain([&args.full, &args.scenario]).cloned();
+    let places = args.output.reserve(inputs)?;
     let full = read_weights(&args.full)?;
     let whole = std::fs::canonicalize(&args.full)?;
     let mut flights = Vec::new();
@@ -51,9 +57,9 @@ pub(super) fn run(args: &AblationArgs) -> anyhow::Result<End> {
         ];
         overrides.extend(args.overrides.set.iter().cloned());
         let loaded = Scenario::load(&args.scenario, &overrides)?;
-        eprintln!("flying {} seed {seed}", loaded.name);
+        note(format_args!("flying {} seed {seed}", loaded.name));
         let (series, report) = flown(&loaded)?;
-        eprintln!("{} seed {seed}: {}: {}", loaded.name, report.verdict, report.reason);
+        note(format_args!("{} seed {seed}: {}: {}", loaded.name, report.verdict, report.reason));
         flights.push(series);
         scenario = Some(loaded);
     }
@@ -84,31 +90,36 @@ pub(super) fn run(args: &AblationArgs) -> anyhow::Result<End> {
             paper: [paper, change(paper, VARIANTS[0].1)],
         });
     }
-    args.output.write_pictures("The FDT without one of its parts", &sheet(&rows), || {
-        Ok(over_horizon(&rows).svg())
-    })?;
-    print(args, &rows);
+    let outputs =
+        places.write_pictures("The FDT without one of its parts", &sheet(&rows), || {
+            Ok(over_horizon(&rows).svg())
+        })?;
+    print(&outputs, |out| Ok(print_rows(out, args, &rows)?))?;
     Ok(End::Passed)
 }
 
-fn print(args: &AblationArgs, rows: &[Variant]) {
+fn print_rows(out: &mut dyn Write, args: &AblationArgs, rows: &[Variant]) -> io::Result<()> {
     if args.output.json {
         let command = super::command();
-        println!(
+        writeln!(
+            out,
             "{}",
             serde_json::json!({ "table": "ablation", "command": command, "rows": rows })
-        );
+        )?;
     } else {
-        println!(
+        writeln!(
+            out,
             "{:24} {:>8} {:>8} {:>8}   {:>8} {:>8}",
             "a priori, z-scored", "RMSE", "R²", "Δ %", "paper", "Δ %"
-        );
+        )?;
         for row in rows {
-            println!(
+            writeln!(
+                out,
                 "{:24} {:8.3} {:8.3} {:+8.1}   {:8.3} {:+8.1}",
                 row.name, row.rmse_z, row.r2, row.delta_percent, row.paper[0], row.paper[1]
-            );
+            )?;
         }
-        println!("\n{}", super::command());
+        writeln!(out, "\n{}", super::command())?;
     }
+    Ok(())
 }

@@ -5,10 +5,11 @@ use std::path::PathBuf;
 use clap::Args;
 use twin_lab::evaluate::Sheet;
 use twin_lab::evaluate::sheet::figure;
+use twin_record::output::note;
 use twin_scenario::table::{Job, Line, condense, fly_all};
 
 use super::output::Output;
-use crate::cli::{End, Overrides};
+use crate::cli::{End, Overrides, print};
 
 #[derive(Args)]
 pub(super) struct L1Args {
@@ -39,6 +40,7 @@ fn parse_corners(text: &str) -> Result<[f64; 2], String> {
 }
 
 pub(super) fn run(args: &L1Args) -> anyhow::Result<End> {
+    let places = args.output.reserve(args.scenarios.iter().cloned())?;
     let mut jobs = Vec::new();
     for pole in &args.poles {
         for [force, moment] in &args.cutoffs {
@@ -59,24 +61,26 @@ pub(super) fn run(args: &L1Args) -> anyhow::Result<End> {
     let threads =
         args.jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
     let outcomes = fly_all(&jobs, threads, None, &|outcome| match &outcome.result {
-        Ok(report) => eprintln!("{} {}: {}", outcome.row, report.scenario, report.verdict),
-        Err(error) => eprintln!("{}: {error}", outcome.row),
+        Ok(report) => note(format_args!("{} {}: {}", outcome.row, report.scenario, report.verdict)),
+        Err(error) => note(format_args!("{}: {error}", outcome.row)),
     });
     let lines = condense(&outcomes);
     let mut sheet = Sheet::new(["row", "scenario", "rms e8, m and rad", "ended"]);
     sheet.rows.extend(lines.iter().map(|line| cells(line).to_vec()));
-    args.output.write_pictures("L1: poles and corners", &sheet, || Ok(String::new()))?;
-    if args.output.json {
+    let outputs = places.write_pictures("L1: poles and corners", &sheet, || Ok(String::new()))?;
+    print(&outputs, |out| {
         let command = super::command();
-        println!("{}", serde_json::json!({ "table": "l1", "command": command, "lines": lines }));
-        return Ok(End::Passed);
-    }
-    println!("{:28} {:14} {:>9}  verdict", "rms e8, m and rad", "scenario", "e8");
-    for line in &lines {
-        let [row, scenario, value, ended] = cells(line);
-        println!("{row:28} {scenario:14} {value:>9}  {ended}");
-    }
-    println!("\n{}", super::command());
+        if args.output.json {
+            let value = serde_json::json!({ "table": "l1", "command": command, "lines": lines });
+            return Ok(writeln!(out, "{value}")?);
+        }
+        writeln!(out, "{:28} {:14} {:>9}  verdict", "rms e8, m and rad", "scenario", "e8")?;
+        for line in &lines {
+            let [row, scenario, value, ended] = cells(line);
+            writeln!(out, "{row:28} {scenario:14} {value:>9}  {ended}")?;
+        }
+        Ok(writeln!(out, "\n{command}")?)
+    })?;
     Ok(End::Passed)
 }
 

@@ -1,10 +1,12 @@
 //! Files that a table is written to.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use anyhow::Context;
 use clap::Args;
 use twin_lab::evaluate::{Sheet, pictures_page};
+use twin_record::output::{self, Outputs, note};
+
+use crate::cli::Overwrite;
 
 /// The flags of every command that makes a table.
 #[derive(Args)]
@@ -12,39 +14,65 @@ pub(super) struct Output {
     /// Print one JSON object instead of a table.
     #[arg(long)]
     pub(super) json: bool,
-    /// Write the table as CSV.
+    /// Write the table as CSV; `-` is stdout.
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
-    /// Write a page with pictures; it opens offline.
+    /// Write a page with pictures; it opens offline; `-` is stdout.
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: Overwrite,
+}
+
+/// The places of the files, reserved before the table is computed.
+pub(super) struct Places {
+    pub(super) outputs: Outputs,
+    csv: Option<output::Output>,
+    html: Option<output::Output>,
 }
 
 impl Output {
-    /// Writes the files that the flags name; calls `page` only if one of them is a page.
-    pub(super) fn write(
+    /// Reserves the places of the files; the command reads `inputs`.
+    pub(super) fn reserve(
         &self,
+        inputs: impl IntoIterator<Item = PathBuf>,
+    ) -> anyhow::Result<Places> {
+        let outputs = self.overwrite.outputs();
+        outputs.protect(inputs);
+        if self.json {
+            outputs.reserve_stdout("--json")?;
+        }
+        let place = |path: &Option<PathBuf>, flag| {
+            path.as_ref().map(|path| outputs.reserve_with_folder(path, flag)).transpose()
+        };
+        let (csv, html) = (place(&self.csv, "--csv")?, place(&self.html, "--html")?);
+        Ok(Places { outputs, csv, html })
+    }
+}
+
+impl Places {
+    /// Writes the files that the flags name; calls `page` only if one of them is a page. Returns the outputs of the run.
+    pub(super) fn write(
+        self,
         sheet: &Sheet,
         page: impl FnOnce() -> anyhow::Result<String>,
-    ) -> anyhow::Result<()> {
-        if let Some(path) = &self.csv {
-            write(path, sheet.csv().as_bytes())?;
-            eprintln!("wrote {}", path.display());
+    ) -> anyhow::Result<Outputs> {
+        if let Some(output) = self.csv {
+            write(output, sheet.csv().as_bytes())?;
         }
-        if let Some(path) = &self.html {
-            write(path, page()?.as_bytes())?;
-            eprintln!("wrote {}", path.display());
+        if let Some(output) = self.html {
+            write(output, page()?.as_bytes())?;
         }
-        Ok(())
+        Ok(self.outputs)
     }
 
-    /// Writes the files; the page has `title`, the table, and `pictures` below it.
+    /// Writes the files; the page has `title`, the table, and `pictures` below it. Returns the outputs of the run.
     pub(super) fn write_pictures(
-        &self,
+        self,
         title: &str,
         sheet: &Sheet,
         pictures: impl FnOnce() -> anyhow::Result<String>,
-    ) -> anyhow::Result<()> {
+    ) -> anyhow::Result<Outputs> {
         self.write(sheet, || {
             let body = sheet.html() + &pictures()?;
             Ok(pictures_page(title, &body, &super::command()))
@@ -52,11 +80,10 @@ impl Output {
     }
 }
 
-/// Writes a file, and makes its folder if it is missing.
-pub(super) fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
-    if let Some(folder) = path.parent() {
-        std::fs::create_dir_all(folder)
-            .with_context(|| format!("{}: cannot be made", folder.display()))?;
-    }
-    std::fs::write(path, bytes).with_context(|| format!("{}: cannot be written", path.display()))
+/// Writes an output and says where it is.
+pub(super) fn write(output: output::Output, bytes: &[u8]) -> anyhow::Result<()> {
+    let path = output.path().display().to_string();
+    output.write(bytes)?;
+    note(format_args!("wrote {path}"));
+    Ok(())
 }

@@ -1,5 +1,6 @@
 //! `twin evaluate pickup`: the response to a change of the payload.
 
+use std::io::{self, Write};
 use std::path::PathBuf;
 
 use clap::Args;
@@ -8,7 +9,7 @@ use twin_lab::evaluate::pickup::{MODES, PickupFlight, pick_up, pictures};
 use twin_scenario::{Scenario, side_by_side};
 
 use super::output::Output;
-use crate::cli::{End, Overrides};
+use crate::cli::{End, Overrides, print};
 
 #[derive(Args)]
 pub(super) struct PickupArgs {
@@ -31,6 +32,7 @@ pub(super) fn run(args: &PickupArgs) -> anyhow::Result<End> {
     } else {
         args.scenarios.clone()
     };
+    let places = args.output.reserve(files.iter().cloned())?;
     let mut jobs = Vec::new();
     for file in &files {
         for (mode, keys) in MODES {
@@ -45,19 +47,21 @@ pub(super) fn run(args: &PickupArgs) -> anyhow::Result<End> {
     let flown = flown.into_iter().collect::<Result<Vec<PickupFlight>, _>>()?;
     let mut sheet = Sheet::new(HEAD);
     sheet.rows.extend(flown.iter().map(|flown| cells(flown).to_vec()));
-    args.output.write_pictures("When the load changes", &sheet, || {
+    let outputs = places.write_pictures("When the load changes", &sheet, || {
         let pictures = flown.chunks(MODES.len()).flat_map(pictures);
         Ok(pictures.map(|picture| picture.svg()).collect())
     })?;
-    if args.output.json {
-        let command = super::command();
-        println!(
-            "{}",
-            serde_json::json!({ "table": "pickup", "command": command, "flights": flown })
-        );
-    } else {
-        print_table(&flown);
-    }
+    print(&outputs, |out| {
+        if args.output.json {
+            let command = super::command();
+            let value =
+                serde_json::json!({ "table": "pickup", "command": command, "flights": flown });
+            writeln!(out, "{value}")?;
+        } else {
+            print_table(out, &flown)?;
+        }
+        Ok(())
+    })?;
     Ok(if flown.iter().all(|flown| flown.at_s.is_some()) { End::Passed } else { End::Failed })
 }
 
@@ -79,16 +83,16 @@ fn cells(flown: &PickupFlight) -> [String; 8] {
 const HEAD: [&str; 8] =
     ["scenario", "mode", "verdict", "load at s", "peak/δ", "resets", "recovery s", "e_pos peak m"];
 
-fn print_table(flown: &[PickupFlight]) {
-    let line = |cells: [&str; 8]| {
+fn print_table(out: &mut dyn Write, flown: &[PickupFlight]) -> io::Result<()> {
+    let mut line = |cells: [&str; 8]| {
         let [scenario, mode, rest @ ..] = cells;
         let rest: Vec<String> = rest.iter().map(|cell| format!(" {cell:>13}")).collect();
-        println!("{scenario:14} {mode:15}{}", rest.concat());
+        writeln!(out, "{scenario:14} {mode:15}{}", rest.concat())
     };
-    line(HEAD);
+    line(HEAD)?;
     for flown in flown {
         let cells = cells(flown);
-        line(std::array::from_fn(|i| cells[i].as_str()));
+        line(std::array::from_fn(|i| cells[i].as_str()))?;
     }
-    println!("\n{}", super::command());
+    writeln!(out, "\n{}", super::command())
 }

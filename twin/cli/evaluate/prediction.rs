@@ -1,5 +1,6 @@
 //! `twin evaluate prediction`: the prediction table.
 
+use std::io::{self, Write};
 use std::path::PathBuf;
 
 use anyhow::Context;
@@ -10,10 +11,11 @@ use twin_lab::evaluate::entrants::{Candidate, trained, unfilled, untrained, untr
 use twin_lab::evaluate::fit::{Baseline, fit};
 use twin_lab::evaluate::prediction::{COLUMNS, Column, rows, spreads};
 use twin_lab::evaluate::{PredictionTable, Series, Statistics, prediction_page};
+use twin_record::Outputs;
 use twin_scenario::Scenario;
 
 use super::output::{Output, write};
-use crate::cli::{End, Overrides, read_weights};
+use crate::cli::{End, Overrides, print, read_weights};
 
 #[derive(Args)]
 pub(super) struct PredictionArgs {
@@ -33,7 +35,7 @@ pub(super) struct PredictionArgs {
     /// File of weights; an FDT gives two lines, without and with the adapter (repeatable).
     #[arg(long, value_name = "FILE")]
     weights: Vec<PathBuf>,
-    /// Folder for `sindy.safetensors` and `gp.safetensors`.
+    /// Folder for `sindy.safetensors` and `gp.safetensors`. Files that a fit would change are refused without --overwrite.
     #[arg(long, value_name = "DIR", default_value = "out/models")]
     models_dir: PathBuf,
     /// Scenario that gives the vehicle and the settings of the adapter.
@@ -50,15 +52,20 @@ pub(super) fn run(args: &PredictionArgs) -> anyhow::Result<End> {
         .with_style(ProgressStyle::with_template("{elapsed_precise} {msg}")?);
     bar.enable_steady_tick(std::time::Duration::from_millis(200));
     bar.set_message("reading recordings");
+    let scenario = Scenario::load(&args.scenario, &args.overrides.set)?;
+    let inputs = args.weights.iter().chain([&args.recording]).cloned();
+    let places = args.output.reserve(inputs.chain(scenario.input_files()))?;
     let training = Series::read_training(&args.train)?;
+    places.outputs.protect(training.iter().map(|flight| &flight.file));
     let series = Series::read(&args.recording)
         .with_context(|| format!("record one: twin collect --out {}", args.train.display()))?;
     series.compare(&training[0])?;
     let statistics = Statistics::of(&training);
     let data_hash = hash(&training);
-    let candidates = candidates(args, &training, &data_hash, &|name| {
-        bar.set_message(format!("fitting {name}"));
-    })?;
+    let candidates =
+        candidates(args, &scenario, &places.outputs, (&training, &data_hash), &|name| {
+            bar.set_message(format!("fitting {name}"));
+        })?;
     bar.set_message("replaying");
     let rows = rows(candidates, &series, &statistics, &|name| {
         bar.set_message(format!("{name} replayed"));
@@ -76,12 +83,15 @@ pub(super) fn run(args: &PredictionArgs) -> anyhow::Result<End> {
         spreads: spreads(&rows),
         rows,
     };
-    args.output.write(&table.sheet(), || Ok(prediction_page(&table, &series)))?;
-    if args.output.json {
-        println!("{}", serde_json::to_string(&table)?);
-    } else {
-        print_table(&table);
-    }
+    let outputs = places.write(&table.sheet(), || Ok(prediction_page(&table, &series)))?;
+    print(&outputs, |out| {
+        if args.output.json {
+            writeln!(out, "{}", serde_json::to_string(&table)?)?;
+        } else {
+            print_table(out, &table)?;
+        }
+        Ok(())
+    })?;
     Ok(End::Passed)
 }
 
@@ -98,11 +108,11 @@ fn hash(training: &[Series]) -> String {
 
 fn candidates(
     args: &PredictionArgs,
-    training: &[Series],
-    data_hash: &str,
+    scenario: &Scenario,
+    outputs: &Outputs,
+    (training, data_hash): (&[Series], &str),
     news: &dyn Fn(&str),
 ) -> anyhow::Result<Vec<Candidate>> {
-    let scenario = Scenario::load(&args.scenario, &args.overrides.set)?;
     let tuning = scenario.tuning()?;
     let mut all = Vec::new();
     for name in &args.models {
@@ -122,7 +132,11 @@ fn candidates(
         let weights = fit(baseline, training, data_hash)
             .with_context(|| format!("{name} cannot be fitted: too few ticks to learn from"))?;
         let file = args.models_dir.join(format!("{name}.safetensors"));
-        write(&file, &weights.to_bytes()?)?;
+        let bytes = weights.to_bytes()?;
+        // An equal fit is no new file.
+        if !std::fs::read(&file).is_ok_and(|before| before == bytes) {
+            write(outputs.reserve_with_folder(&file, "--models-dir")?, &bytes)?;
+        }
         all.extend(trained(&weights, &file, &tuning)?);
     }
     for file in &args.weights {
@@ -135,64 +149,75 @@ fn candidates(
 const PLACES: [(usize, usize); COLUMNS.len()] =
     [(2, 6), (1, 7), (1, 6), (1, 7), (2, 7), (1, 7), (2, 6), (1, 8), (2, 7), (1, 7)];
 
-fn print_table(table: &PredictionTable) {
+fn print_table(out: &mut dyn Write, table: &PredictionTable) -> io::Result<()> {
     let columns = || COLUMNS.into_iter().zip(PLACES);
     let heads: Vec<String> = columns()
         .map(|(column, (gap, width))| format!("{:gap$}{:>width$}", "", column.short))
         .collect();
-    println!("{:30} {:>8}{}   paper: RMSE    R²     ms", "a priori", "params", heads.concat());
+    writeln!(
+        out,
+        "{:30} {:>8}{}   paper: RMSE    R²     ms",
+        "a priori",
+        "params",
+        heads.concat()
+    )?;
     for row in &table.rows {
         let figures: Vec<String> = columns()
             .map(|(Column { decimals, value, .. }, (gap, width))| {
                 format!("{:gap$}{:width$.decimals$}", "", value(&row.replayed))
             })
             .collect();
-        println!(
+        writeln!(
+            out,
             "{:30} {:>8}{}   {}",
             row.label,
             row.parameters.map_or_else(|| "-".to_owned(), |n| n.to_string()),
             figures.concat(),
             row.paper.map_or_else(String::new, paper_cells),
-        );
+        )?;
     }
     let filled: Vec<String> = table.rows.iter().map(|row| row.name.clone()).collect();
     for (name, figures) in unfilled(&filled) {
-        println!("{name:30} {:>101}   {}", "", paper_cells(figures));
+        writeln!(out, "{name:30} {:>101}   {}", "", paper_cells(figures))?;
     }
-    print_horizons(table);
-    println!("\n{}", table.command);
-    println!(
+    print_horizons(out, table)?;
+    writeln!(out, "\n{}", table.command)?;
+    writeln!(
+        out,
         "recording {} seed {} sha-256 {}",
         table.recording.display(),
         table.seed,
         table.recording_sha256
-    );
-    println!(
+    )?;
+    writeln!(
+        out,
         "statistics of {} recordings in the training folder, hash {}",
         table.training.len(),
         table.data_hash
-    );
+    )
 }
 
-fn print_horizons(table: &PredictionTable) {
+fn print_horizons(out: &mut dyn Write, table: &PredictionTable) -> io::Result<()> {
     let heads = (0..=HORIZON).map(|j| format!("    j={j}")).collect::<Vec<_>>();
-    println!("\n{:26}{}", "RMSE z by horizon", heads.concat());
+    writeln!(out, "\n{:26}{}", "RMSE z by horizon", heads.concat())?;
     for row in &table.rows {
         let cells: Vec<String> =
             row.replayed.horizons.iter().map(|h| format!("{:7.3}", h.rmse_z)).collect();
-        println!("{:26}{}", row.name, cells.concat());
+        writeln!(out, "{:26}{}", row.name, cells.concat())?;
     }
     for s in &table.spreads {
         let pair = |[mean, std]: [f64; 2]| format!("{mean:.3} ± {std:.3}");
-        println!(
+        writeln!(
+            out,
             "{} over {} trainings: RMSE {}, R² {}, RMSE j={HORIZON} {}",
             s.name,
             s.trainings,
             pair(s.rmse_z),
             pair(s.r2),
             pair(s.rmse_z_last)
-        );
+        )?;
     }
+    Ok(())
 }
 
 fn paper_cells([rmse, r2, ms]: [f64; 3]) -> String {

@@ -1,5 +1,6 @@
 //! `twin evaluate tracking`: the tracking table.
 
+use std::io::{self, Write};
 use std::path::PathBuf;
 
 use anyhow::Context;
@@ -8,12 +9,13 @@ use indicatif::{ProgressBar, ProgressStyle};
 use twin_lab::evaluate::Sheet;
 use twin_lab::evaluate::paths::path;
 use twin_lab::evaluate::sheet::figure;
+use twin_record::output::note;
 use twin_scenario::cache::Cache;
 use twin_scenario::table::{COLUMNS, Job, Line, Outcome, PAPER, condense, fly_all};
 use twin_scenario::{Scenario, Verdict, side_by_side};
 
 use super::output::Output;
-use crate::cli::{End, Overrides, read_weights};
+use crate::cli::{End, Overrides, print, read_weights};
 
 #[derive(Args)]
 pub(super) struct TrackingArgs {
@@ -66,6 +68,8 @@ const BASELINE: [&str; 2] = ["predictor.kind=trained", "gains.adapter_on=0"];
 
 pub(super) fn run(args: &TrackingArgs) -> anyhow::Result<End> {
     let jobs = jobs(args)?;
+    let inputs = jobs.iter().map(|job| &job.file).chain(&args.weights).cloned();
+    let places = args.output.reserve(inputs)?;
     let threads =
         args.jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
     let cache = if args.no_cache {
@@ -82,7 +86,7 @@ pub(super) fn run(args: &TrackingArgs) -> anyhow::Result<End> {
     let outcomes = fly_all(&jobs, threads, cache.as_ref(), &|outcome| {
         bar.inc(1);
         if let Some(trouble) = trouble(outcome) {
-            bar.suspend(|| eprintln!("{trouble}"));
+            bar.suspend(|| note(format_args!("{trouble}")));
         }
     });
     bar.finish_and_clear();
@@ -92,18 +96,19 @@ pub(super) fn run(args: &TrackingArgs) -> anyhow::Result<End> {
     } else {
         ("tracking", "Tracking in full missions")
     };
-    args.output.write_pictures(title, &sheet(&lines), || paths(&jobs))?;
-    if args.output.json {
+    let outputs = places.write_pictures(title, &sheet(&lines), || paths(&jobs))?;
+    print(&outputs, |out| {
         let command = super::command();
-        println!(
-            "{}",
-            serde_json::json!({ "table": table, "command": command, "lines": lines, "paper": PAPER })
-        );
-    } else {
-        print_matrix(&lines);
-        print_table(&lines);
-        println!("\n{}", super::command());
-    }
+        if args.output.json {
+            let value = serde_json::json!({ "table": table, "command": command, "lines": lines, "paper": PAPER });
+            writeln!(out, "{value}")?;
+        } else {
+            print_matrix(out, &lines)?;
+            print_table(out, &lines)?;
+            writeln!(out, "\n{command}")?;
+        }
+        Ok(())
+    })?;
     let all =
         outcomes.iter().all(|o| o.result.as_ref().is_ok_and(|r| r.verdict == Verdict::Completed));
     Ok(if all { End::Passed } else { End::Failed })
@@ -237,12 +242,12 @@ fn trouble(outcome: &Outcome) -> Option<String> {
 }
 
 /// Prints the paper's table: a line per method, a column per scenario, mean ± standard deviation over the flights that completed.
-fn print_matrix(lines: &[Line]) {
-    print!("{:24}", "rms e8, m and rad");
+fn print_matrix(out: &mut dyn Write, lines: &[Line]) -> io::Result<()> {
+    write!(out, "{:24}", "rms e8, m and rad")?;
     for column in COLUMNS {
-        print!(" {column:>15}");
+        write!(out, " {column:>15}")?;
     }
-    println!();
+    writeln!(out)?;
     let mut rows: Vec<&str> = Vec::new();
     for line in lines {
         if rows.last() != Some(&line.row.as_str()) {
@@ -250,21 +255,21 @@ fn print_matrix(lines: &[Line]) {
         }
     }
     for row in rows {
-        print!("{row:24}");
+        write!(out, "{row:24}")?;
         for column in COLUMNS {
             let cell = lines.iter().find(|line| line.row == row && line.scenario == column);
-            print!(" {:>15}", cell.map_or_else(|| "-".to_owned(), matrix_cell));
+            write!(out, " {:>15}", cell.map_or_else(|| "-".to_owned(), matrix_cell))?;
         }
-        println!();
+        writeln!(out)?;
     }
     for (row, figures) in PAPER {
-        print!("paper {row:18}");
+        write!(out, "paper {row:18}")?;
         for value in figures {
-            print!(" {value:>15.3}");
+            write!(out, " {value:>15.3}")?;
         }
-        println!();
+        writeln!(out)?;
     }
-    println!();
+    writeln!(out)
 }
 
 fn matrix_cell(line: &Line) -> String {
@@ -276,8 +281,10 @@ fn matrix_cell(line: &Line) -> String {
         _ => format!("none{lost}"),
     }
 }
-fn print_table(lines: &[Line]) {
-    println!(
+
+fn print_table(out: &mut dyn Write, lines: &[Line]) -> io::Result<()> {
+    writeln!(
+        out,
         "{:22} {:12} {:>5}  {:>7} {:>9} {:>6}  {:>17}  {:>13}  {:>13}  {:>11}  {:>11}  others",
         "row",
         "scenario",
@@ -290,12 +297,13 @@ fn print_table(lines: &[Line]) {
         "slip mm med/max",
         "time s med",
         "retries max"
-    );
+    )?;
     for line in lines {
         let v = |name: &str| line.values.get(name).copied().unwrap_or(f64::NAN);
         let others: Vec<String> =
             line.other_verdicts.iter().map(|(k, n)| format!("{n} {k}")).collect();
-        println!(
+        writeln!(
+            out,
             "{:22} {:12} {:>2}/{:<2}  {:7.3} {:9.3} {:>6}  {:8.3} ..{:7.3}  {:7.1} / {:5.1}  {:7.2} / {:5.2}  {:11.1}  {:11.0}  {}",
             line.row,
             line.scenario,
@@ -313,11 +321,12 @@ fn print_table(lines: &[Line]) {
             v("flight_s_median"),
             v("retries_max"),
             others.join(", "),
-        );
+        )?;
     }
     for preset in lines.iter().map(|l| &l.row).collect::<std::collections::BTreeSet<_>>() {
         let of =
             |f: fn(&Line) -> usize| lines.iter().filter(|l| &l.row == preset).map(f).sum::<usize>();
-        println!("{preset}: completed {} of {}", of(|l| l.completed), of(|l| l.flights));
+        writeln!(out, "{preset}: completed {} of {}", of(|l| l.completed), of(|l| l.flights))?;
     }
+    Ok(())
 }

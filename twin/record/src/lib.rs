@@ -1,4 +1,5 @@
 //! Recordings of this program: the recorder, the reader of its files, and the scene that viewers draw.
+//! Also the opener of every file that the program writes.
 //!
 //! A recording is an MCAP file. Other programs can read it, because it uses Foxglove's schemas. The topics `/twin/measurement` and
 //! `/twin/tick` also hold every bit of the loop, so that a replay is exact.
@@ -10,6 +11,8 @@ pub mod scene;
 mod recording_info;
 pub mod lossless;
 #[cfg(feature = "files")]
+pub mod output;
+#[cfg(feature = "files")]
 pub mod recording;
 #[cfg(feature = "files")]
 pub mod views;
@@ -19,6 +22,8 @@ mod track;
 pub mod recorder;
 pub mod fixture;
 
+#[cfg(feature = "files")]
+pub use output::{OutputError, Outputs, RecordingFile};
 #[cfg(feature = "files")]
 pub use recorder::{Recorder, Written};
 #[cfg(feature = "files")]

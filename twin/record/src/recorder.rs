@@ -10,6 +10,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use crate::output::RecordingFile;
 use crate::recording::RecordingError;
 use crate::recording_info::{RecordingEnd, RecordingInfo};
 use crate::track::TrackWriter;
@@ -48,18 +49,27 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// Creates the file (an existing one is replaced) and writes the metadata of the start.
+    /// Creates the file at `path`, which must not exist, and writes the metadata of the start.
     ///
     /// # Errors
-    /// [`RecordingError::Write`] if the file cannot be created or written.
+    /// [`RecordingError`] if the file cannot be created or written.
     pub fn create(path: &Path, info: &RecordingInfo) -> Result<Self, RecordingError> {
-        let track = TrackWriter::create(path, info)?;
+        Self::start(RecordingFile::new(path)?, info)
+    }
+
+    /// Writes the metadata of the start to a new file; [`crate::Outputs::recording`] opens it.
+    ///
+    /// # Errors
+    /// [`RecordingError::Write`] if the file cannot be written.
+    pub fn start(file: RecordingFile, info: &RecordingInfo) -> Result<Self, RecordingError> {
+        let path = file.path().to_owned();
+        let track = TrackWriter::start(file, info)?;
         let (orders, receiver) = sync_channel(QUEUE_TICKS);
         let thread = std::thread::Builder::new()
             .name("recorder".to_owned())
             .spawn(move || write_all(track, &receiver))
-            .map_err(|error| RecordingError::write(path, error))?;
-        Ok(Self { path: path.to_owned(), orders: Some(orders), thread: Some(thread), dropped: 0 })
+            .map_err(|error| RecordingError::write(&path, error))?;
+        Ok(Self { path, orders: Some(orders), thread: Some(thread), dropped: 0 })
     }
 
     /// Records a tick. It waits for the disk if the queue is full, so no tick is lost.

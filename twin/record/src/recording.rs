@@ -7,6 +7,7 @@ use mcap::records::Record;
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 use crate::lossless;
+use crate::output::OutputError;
 use crate::recording_info::MIRRORED;
 use twin_core::tick::Tick;
 
@@ -31,7 +32,10 @@ const SHOWN_TOPICS: usize = 12;
 /// Errors of writing and reading a recording.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordingError {
-    /// The file cannot be created or written.
+    /// The file cannot be created.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// The file cannot be written.
     #[error("{path}: cannot write the recording: {why}; choose another file with --record or free some space", path = path.display())]
     Write {
         /// The file.

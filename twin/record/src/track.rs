@@ -3,13 +3,14 @@
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::BufWriter;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use foxglove::Encode;
 use foxglove::messages::{FrameTransforms, JointStates, Log, SceneUpdate};
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, WriteOptions, Writer};
 
+use crate::output::RecordingFile;
 use crate::recording::{
     MEASUREMENT_TOPIC, METADATA_END, METADATA_START, RecordingError, TICK_TOPIC,
 };
@@ -48,9 +49,9 @@ pub(super) struct TrackWriter {
 }
 
 impl TrackWriter {
-    pub(super) fn create(path: &Path, info: &RecordingInfo) -> Result<Self, RecordingError> {
-        let failed = |error: &dyn std::fmt::Display| RecordingError::write(path, error);
-        let file = File::create(path).map_err(|e| failed(&e))?;
+    pub(super) fn start(file: RecordingFile, info: &RecordingInfo) -> Result<Self, RecordingError> {
+        let (path, file) = file.into_parts();
+        let failed = |error: &dyn std::fmt::Display| RecordingError::write(&path, error);
         let mut file = WriteOptions::new()
             .profile("")
             .compression_threads(0)
@@ -82,7 +83,7 @@ impl TrackWriter {
         let channels = add_channels(&mut file).map_err(|e| failed(&e))?;
         file.flush().map_err(|e| failed(&e))?;
         Ok(Self {
-            path: path.to_owned(),
+            path,
             file,
             channels,
             scene: info.scene.clone(),

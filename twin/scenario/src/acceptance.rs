@@ -37,6 +37,10 @@ pub enum AcceptanceError {
     /// The flight cannot be built.
     #[error(transparent)]
     Build(#[from] BuildError),
+    /// The file cannot be written.
+    #[cfg(feature = "suite")]
+    #[error(transparent)]
+    Output(#[from] twin_record::OutputError),
 }
 
 /// One flight of the acceptance.
@@ -104,18 +108,16 @@ pub fn together(flights: &[GateFlight]) -> Option<(f64, [f64; N])> {
     complete.then(|| (score.mean(), score.rows()))
 }
 
-/// Writes the figures into the head of `file`.
+/// Writes the figures into the head of `file`, which keeps its tensors: whole or not at all.
 ///
 /// # Errors
 /// [`AcceptanceError`] if the file cannot be read or written.
+#[cfg(feature = "suite")]
 pub fn write(file: &Path, acceptance: Acceptance) -> Result<(), AcceptanceError> {
     let bytes = std::fs::read(file).map_err(|error| unusable(file, &error))?;
     let mut weights = Weights::from_bytes(&bytes)?;
     weights.head.acceptance = acceptance;
-    // Writes a second file and renames it, so that a concurrent reader never sees half of a file.
-    let new = file.with_extension("safetensors.new");
-    std::fs::write(&new, weights.to_bytes()?).map_err(|error| unusable(&new, &error))?;
-    std::fs::rename(&new, file).map_err(|error| unusable(file, &error))
+    Ok(twin_record::output::replace(file, &weights.to_bytes()?)?)
 }
 
 fn unusable(file: &Path, error: &std::io::Error) -> AcceptanceError {

@@ -11,6 +11,7 @@ use sha2::{Digest, Sha256};
 use super::collect::sha256_of;
 use super::settings::PredictorKind;
 use super::{Report, Scenario};
+use twin_record::output::{make_folder, replace};
 
 /// Reports of flights, by the hash of the flight.
 #[derive(Clone, Debug)]
@@ -25,7 +26,7 @@ impl Cache {
     /// # Errors
     /// An I/O error if the folder cannot be created, or the program cannot read its own file.
     pub fn open(folder: &Path) -> std::io::Result<Self> {
-        std::fs::create_dir_all(folder)?;
+        make_folder(folder, "--cache")?;
         let program = sha256_of(&std::env::current_exe()?)
             .map_err(|error| std::io::Error::other(error.to_string()))?;
         Ok(Self { folder: folder.to_owned(), program })
@@ -43,10 +44,8 @@ impl Cache {
         else {
             return;
         };
-        let part = place.with_extension("part");
-        let written = std::fs::write(&part, text).and_then(|()| std::fs::rename(&part, &place));
-        if let Err(error) = written {
-            tracing::warn!("{}: the report is not cached: {error}", place.display());
+        if let Err(error) = replace(&place, text.as_bytes()) {
+            tracing::warn!("the report is not cached: {error}");
         }
     }
 

@@ -12,7 +12,7 @@ use sha2::{Digest, Sha256};
 use super::{BuildError, Scenario, ScenarioError, Verdict, run};
 use twin_core::notation::{Coords, N};
 use twin_core::tick::Tick;
-use twin_record::{Recorder, RecordingEnd, RecordingError};
+use twin_record::{OutputError, Outputs, Recorder, RecordingEnd, RecordingError};
 
 /// Number of ticks between two reports of progress.
 const PROGRESS_TICKS: u64 = 100;
@@ -22,7 +22,7 @@ const PROGRESS_TICKS: u64 = 100;
 pub struct Flight {
     /// What to fly.
     pub scenario: Scenario,
-    /// File of the recording.
+    /// File of the recording. Its name says to a training what the flight is, so it is never numbered.
     pub file: PathBuf,
 }
 
@@ -60,6 +60,9 @@ pub enum CollectError {
     /// A recording cannot be written.
     #[error(transparent)]
     Recording(#[from] RecordingError),
+    /// The file of a recording cannot be created.
+    #[error(transparent)]
+    Output(#[from] OutputError),
     /// A folder or file cannot be used.
     #[error("{}: {why}", .path.display())]
     File {
@@ -178,7 +181,11 @@ impl Plan {
 ///
 /// # Errors
 /// [`CollectError`] if the flight cannot be built or the recording cannot be written.
-pub fn collect(flight: &Flight, progress: &dyn Fn(u64)) -> Result<Collected, CollectError> {
+pub fn collect(
+    flight: &Flight,
+    outputs: &Outputs,
+    progress: &dyn Fn(u64),
+) -> Result<Collected, CollectError> {
     let Flight { scenario, file } = flight;
     let build = |why: BuildError| CollectError::Build {
         scenario: scenario.name.clone(),
@@ -186,7 +193,7 @@ pub fn collect(flight: &Flight, progress: &dyn Fn(u64)) -> Result<Collected, Col
     };
     let tuning = scenario.tuning().map_err(|why| build(why.into()))?;
     let info = scenario.recording_info(&tuning).map_err(build)?;
-    let mut recorder = Recorder::create(file, &info)?;
+    let mut recorder = Recorder::start(outputs.named_recording(file, "--out")?, &info)?;
     let mut trouble = None;
     let mut watched = Watched::default();
     let report = run::fly(scenario, &mut |tick| {

@@ -50,6 +50,8 @@ use twin_core::flight::{Flight, Parts};
 use twin_core::residual::PredictorInfo;
 use twin_core::residual::weights::WeightsError;
 use twin_core::tuning::Tuning;
+#[cfg(feature = "suite")]
+use twin_plant::model::Packages;
 use twin_record::RecordingInfo;
 use twin_record::scene::Scene;
 
@@ -194,6 +196,21 @@ impl Scenario {
             packages: assemble::packages(self)?,
             joints: self.settings.vehicle.arm_joints.clone(),
         })
+    }
+
+    /// The files that a flight of this scenario reads, as far as they can be found; no output may replace them. The golden run is one of
+    /// them.
+    #[cfg(feature = "suite")]
+    pub fn input_files(&self) -> Vec<PathBuf> {
+        let folder = self.folder();
+        let Settings { vehicle, arena, predictor, golden, .. } = &self.settings;
+        let packages = Packages(assemble::packages(self).unwrap_or_default());
+        let models = arena.objects.iter().map(|object| &object.urdf).chain([&vehicle.urdf]);
+        let mut files = vec![self.file.clone()];
+        files.extend(models.flat_map(|urdf| packages.files(&folder.join(urdf))));
+        files.push(folder.join(&predictor.weights));
+        files.extend(golden.iter().map(|golden| folder.join(&golden.file)));
+        files
     }
 
     /// Metadata of the recording of a flight of this scenario that starts with `tuning`.

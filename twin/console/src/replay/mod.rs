@@ -60,14 +60,6 @@ pub enum ReplayError {
     /// The flight cannot be packed.
     #[error("cannot pack the flight: {0}")]
     Pack(#[from] std::io::Error),
-    /// The page cannot be written.
-    #[error("{}: cannot write it: {why}; choose another file", .path.display())]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// The system's error.
-        why: String,
-    },
 }
 
 /// A demand of the scenario that the flight did not meet.
@@ -94,16 +86,13 @@ struct Head {
     opens_at_s: f64,
 }
 
-/// Writes the page of the recording at `from` to `to`; returns the time at which the page opens, s. Without a `report` of
-/// the flight this function judges the flight again, but not against a golden run, because a recording contains none.
+/// The page of the recording at `from`, and the time at which the page opens, s. Without a `report` of the flight this function judges
+/// the flight again, but not against a golden run, because a recording contains none.
 ///
 /// # Errors
-/// [`ReplayError`] if the recording is not usable or the page cannot be written.
-pub fn export(from: &Path, to: &Path, report: Option<&Report>) -> Result<f64, ReplayError> {
-    let (page, opens_at_s) = page(&read_recording(from)?, report)?;
-    std::fs::write(to, page)
-        .map_err(|error| ReplayError::Write { path: to.to_owned(), why: error.to_string() })?;
-    Ok(opens_at_s)
+/// [`ReplayError`] if the recording is not usable.
+pub fn export(from: &Path, report: Option<&Report>) -> Result<(String, f64), ReplayError> {
+    page(&read_recording(from)?, report)
 }
 
 /// The page of a flight, and the time at which it opens, s: the first failure, or the start if nothing failed.

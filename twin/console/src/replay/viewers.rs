@@ -1,6 +1,6 @@
 //! Exports a recorded flight to the two stock viewers: as a MeshCat page, as a viser recording, or as a viser page.
 //!
-//! In: a [`Recording`], and for a page the viewer's own files. Out: a file that needs no server. State: none.
+//! In: a [`Recording`], and for a page the viewer's own files. Out: the content of a file that needs no server. State: none.
 
 use std::path::{Path, PathBuf};
 
@@ -30,11 +30,11 @@ const MESHCAT_PAGE: &str = "<!doctype html>
 </script></body></html>
 ";
 
-/// Writes a page to `to` that plays the recording at `from` in MeshCat's viewer; `viewers` is the folder of the stock viewers.
+/// A page that plays the recording at `from` in MeshCat's viewer; `viewers` is the folder of the stock viewers.
 ///
 /// # Errors
-/// [`ReplayError`] if the recording is not usable, the viewer is not there, or the page cannot be written.
-pub fn export_meshcat(from: &Path, to: &Path, viewers: Option<&Path>) -> Result<(), ReplayError> {
+/// [`ReplayError`] if the recording is not usable, or the viewer is not there.
+pub fn export_meshcat(from: &Path, viewers: Option<&Path>) -> Result<String, ReplayError> {
     let viewer = viewer_file(MESHCAT, "main.min.js", viewers)?;
     let recording = read_recording(from)?;
     let commands = export::meshcat(&scene(&recording)?, &recording.ticks);
@@ -47,30 +47,32 @@ pub fn export_meshcat(from: &Path, to: &Path, viewers: Option<&Path>) -> Result<
         ("/*viewer*/", viewer.as_str()),
         ("/*commands*/", &commands.join(",")),
     ];
-    let page = fill(MESHCAT_PAGE, &parts).ok_or_else(|| unusable(MESHCAT, "main.min.js"))?;
-    write(to, page.as_bytes())
+    fill(MESHCAT_PAGE, &parts).ok_or_else(|| unusable(MESHCAT, "main.min.js"))
 }
 
-/// Writes the recording at `from` in viser's format: as a page with viser's client if `to` ends in `html`, else as a `.viser`
-/// file. `viewers` is the folder of the stock viewers.
+/// The recording at `from` in viser's format: with `is_page` as a page with viser's client, else as a `.viser` file. `viewers` is the
+/// folder of the stock viewers.
 ///
 /// # Errors
-/// [`ReplayError`] if the recording is not usable, the viewer is not there, or the file cannot be written.
-pub fn export_viser(from: &Path, to: &Path, viewers: Option<&Path>) -> Result<(), ReplayError> {
-    let is_page = to.extension().is_some_and(|ending| ending == "html");
+/// [`ReplayError`] if the recording is not usable, or the viewer is not there.
+pub fn export_viser(
+    from: &Path,
+    is_page: bool,
+    viewers: Option<&Path>,
+) -> Result<Vec<u8>, ReplayError> {
     let client = is_page.then(|| viewer_file(VISER, "index.html", viewers)).transpose()?;
     let recording = read_recording(from)?;
     let inner = export::viser(&scene(&recording)?, &recording.ticks);
     let mut bytes = (inner.len() as u64).to_le_bytes().to_vec();
     bytes.extend(zstd::bulk::compress(&inner, COMPRESSION_LEVEL)?);
-    let Some(client) = client else { return write(to, &bytes) };
+    let Some(client) = client else { return Ok(bytes) };
     // viser's own `as_html` inserts the same script.
     let data = format!(
         "<script>window.__VISER_EMBED_DATA__=\"{}\";window.__VISER_EMBED_CONFIG__={{darkMode:false}};</script></head>",
         STANDARD.encode(bytes)
     );
     let page = fill(&client, &[("</head>", &data)]).ok_or_else(|| unusable(VISER, "index.html"))?;
-    write(to, page.as_bytes())
+    Ok(page.into_bytes())
 }
 
 fn scene(recording: &Recording) -> Result<Scene, ReplayError> {
@@ -91,9 +93,4 @@ fn viewer_file(
 fn unusable(wheel: Wheel, name: &str) -> ReplayError {
     let path = PathBuf::from(wheel.folder()).join(name);
     ReplayError::NoViewer { path, why: "it is not the pinned file".to_owned() }
-}
-
-fn write(to: &Path, bytes: &[u8]) -> Result<(), ReplayError> {
-    std::fs::write(to, bytes)
-        .map_err(|error| ReplayError::Write { path: to.to_owned(), why: error.to_string() })
 }

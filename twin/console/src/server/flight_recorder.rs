@@ -1,22 +1,27 @@
 //! Records served flights: one file per flight. A slow disk never slows the flight.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use twin_core::tick::Tick;
-use twin_record::{Recorder, RecordingEnd, RecordingError, RecordingInfo};
+use twin_record::{Outputs, Recorder, RecordingEnd, RecordingError, RecordingInfo};
+
+/// The flag that asks for recordings.
+const FLAG: &str = "--record";
 
 /// Records the flights one after the other, or none.
 pub(super) struct FlightRecorder {
     path: Option<PathBuf>,
-    flights: u32,
+    outputs: Outputs,
+    /// Whether a flight was recorded; the further ones never replace a file.
+    begun: bool,
     open: Option<Recorder>,
 }
 
 impl FlightRecorder {
-    /// Records to `path`; `None` records nothing.
-    pub(super) fn new(path: Option<PathBuf>) -> Self {
-        Self { path, flights: 0, open: None }
+    /// Records to `path`, an output of `outputs`; `None` records nothing.
+    pub(super) fn new(path: Option<PathBuf>, outputs: Outputs) -> Self {
+        Self { path, outputs, begun: false, open: None }
     }
 
     /// Whether flights are recorded.
@@ -24,16 +29,27 @@ impl FlightRecorder {
         self.path.is_some()
     }
 
-    /// Opens the file of the next flight: `flight.mcap`, then `flight-2.mcap`, …
+    /// Opens the file of the next flight: `flight.mcap`, then `flight-2.mcap`, …, but never one of the `inputs` of the flight. Returns a
+    /// sentence for the operator if the first flight cannot have the name that was asked for.
     ///
     /// # Errors
     /// [`RecordingError`] if the file cannot be created; the flight goes on without a recording.
-    pub(super) fn begin(&mut self, info: &RecordingInfo) -> Result<(), RecordingError> {
-        self.flights += 1;
-        if let Some(path) = &self.path {
-            self.open = Some(Recorder::create(&numbered(path, self.flights), info)?);
-        }
-        Ok(())
+    pub(super) fn begin(
+        &mut self,
+        info: &RecordingInfo,
+        inputs: &[PathBuf],
+    ) -> Result<Option<String>, RecordingError> {
+        let Some(path) = &self.path else { return Ok(None) };
+        self.outputs.protect(inputs);
+        let first = !std::mem::replace(&mut self.begun, true);
+        let file = if first {
+            self.outputs.recording(path, FLAG)
+        } else {
+            self.outputs.next_recording(path, FLAG)
+        }?;
+        let renamed = file.renamed().filter(|_| first);
+        self.open = Some(Recorder::start(file, info)?);
+        Ok(renamed)
     }
 
     /// Records a tick. If the disk is too slow, it drops the tick and counts it.
@@ -67,33 +83,13 @@ impl FlightRecorder {
     }
 }
 
-fn numbered(path: &Path, flight: u32) -> PathBuf {
-    if flight < 2 {
-        return path.to_owned();
-    }
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let extension =
-        path.extension().map_or_else(|| "mcap".into(), |extension| extension.to_string_lossy());
-    path.with_file_name(format!("{stem}-{flight}.{extension}"))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn a_restart_never_writes_over_the_flight_before() {
-        let path = Path::new("out/flight.mcap");
-        let names: Vec<PathBuf> = (1..4).map(|flight| numbered(path, flight)).collect();
-        assert_eq!(
-            names,
-            ["out/flight.mcap", "out/flight-2.mcap", "out/flight-3.mcap"].map(PathBuf::from)
-        );
-    }
-
-    #[test]
     fn without_a_path_nothing_is_recorded() {
-        let mut flight_recorder = FlightRecorder::new(None);
+        let mut flight_recorder = FlightRecorder::new(None, Outputs::default());
         assert!(matches!(flight_recorder.end(RecordingEnd::default()), Ok(None)));
     }
 }

@@ -11,6 +11,7 @@ use crate::server::pilot::{FirstFlight, PilotOptions};
 use crate::server::running::{Running, watch};
 use crate::server::{ServerError, launch};
 use twin_foreign::{Live, OpenedFlight};
+use twin_record::Outputs;
 
 /// Options for serving a recording.
 pub struct MirrorOptions {
@@ -54,7 +55,7 @@ pub fn spawn_mirror(options: MirrorOptions) -> Result<Running, ServerError> {
         catalogue: Vec::new(),
         speed: options.speed,
         start_paused: options.start_paused,
-        flight_recorder: FlightRecorder::new(None),
+        flight_recorder: FlightRecorder::new(None, Outputs::default()),
     };
     // A recording contains no model files of its vehicle, only the angles of its joints.
     let foxglove = options.foxglove_port.map(|port| Beside {

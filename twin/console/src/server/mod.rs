@@ -60,7 +60,7 @@ use crate::server::listen::{Beside, ListenOptions};
 use crate::server::pilot::{FirstFlight, Pilot, PilotOptions};
 use crate::server::protocol::ScenarioInfo;
 use twin_core::tuning::Tuning;
-use twin_record::RecordingError;
+use twin_record::{Outputs, RecordingError};
 use twin_scenario::{BuildError, Preset, Scenario};
 
 /// Largest number of requests that may wait for the flight.
@@ -80,8 +80,10 @@ pub struct ServeOptions {
     pub speed: Option<f64>,
     /// Pause before the first tick until an operator resumes.
     pub start_paused: bool,
-    /// MCAP file of the flight; those of restarts are numbered.
+    /// MCAP file of the flight. If it exists, and for each restart, the recording takes the next free number.
     pub record: Option<PathBuf>,
+    /// The outputs of this run.
+    pub outputs: Outputs,
     /// Folder with the stock viewers, as `twin viewers fetch` leaves it; `None` if there is none.
     pub viewer_dir: Option<PathBuf>,
     /// Port for Foxglove, 0 for any free one; `None` for no such server.
@@ -192,7 +194,7 @@ pub fn spawn(options: ServeOptions) -> Result<Running, ServerError> {
         catalogue: options.catalogue,
         speed: options.speed,
         start_paused: options.start_paused,
-        flight_recorder: FlightRecorder::new(options.record),
+        flight_recorder: FlightRecorder::new(options.record, options.outputs),
     };
     launch(orders, &tuning, false, place)
 }

@@ -351,7 +351,11 @@ impl Pilot {
     fn begin_recording(&mut self) -> Result<(), ServerError> {
         if self.flight_recorder.is_wanted() {
             let info = self.served.scenario.recording_info(self.served.flight.tuning())?;
-            self.flight_recorder.begin(&info)?;
+            let inputs = self.served.scenario.input_files();
+            if let Some(said) = self.flight_recorder.begin(&info, &inputs)? {
+                tracing::warn!("{said}");
+                self.hub.notice(None, NoticeLevel::Info, &said);
+            }
         }
         Ok(())
     }

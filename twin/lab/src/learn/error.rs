@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use twin_foreign::OpenError;
-use twin_record::RecordingError;
+use twin_record::{OutputError, RecordingError};
 
 /// The reasons why a training cannot begin, resume or be written.
 #[derive(Debug, thiserror::Error)]
@@ -14,6 +14,9 @@ pub enum LearnError {
     /// A recording of another program cannot be used.
     #[error(transparent)]
     Open(#[from] OpenError),
+    /// A file of the training cannot be written.
+    #[error("{0}. What was written before is intact")]
+    Output(#[from] OutputError),
     /// A part of a recording is missing. Without an error, the training would give other weights under the same name.
     #[error("{0}; record the flight again, or cut the file cleanly")]
     Truncated(String),

@@ -19,13 +19,13 @@ use super::config::TrainConfig;
 use super::dataset::Dataset;
 use super::device::device;
 use super::fdt::Fdt;
-use super::file::write_whole;
 use super::graph::{Inputs, Leaves, Network, exclusive, mean_square, values};
 use super::parameters::Parameters;
 use super::regime::{Basis, second_moment};
 use super::windows::{Batch, WindowEnd, Windows, generator};
 use twin_core::notation::TICK_S;
 use twin_core::residual::weights::{self, Acceptance, FORMAT, Head, ModelKind, Training, Weights};
+use twin_record::Outputs;
 
 /// Stride of the training windows whose regime determines the basis.
 const REGIME_STRIDE: usize = 32;
@@ -40,6 +40,8 @@ pub struct Request<'a> {
     pub resume: bool,
     /// Path of the file of weights.
     pub out: &'a Path,
+    /// The outputs of this run, which `out` and the first checkpoint belong to; later checkpoints replace it.
+    pub outputs: &'a Outputs,
     /// Commit of the program, for the head of the file.
     pub git: &'a str,
 }
@@ -145,7 +147,7 @@ impl<'a> Trainer<'a> {
         let config = self.request.config;
         while self.now.state.curve.len() < config.epochs && !self.out_of_patience() {
             let Some(record) = self.epoch(observe)? else { return Ok(false) };
-            self.now.write(&checkpoint::path_for(self.request.out))?;
+            self.keep()?;
             let progress = Progress {
                 epoch: record.epoch,
                 steps: (1, 1),
@@ -157,6 +159,16 @@ impl<'a> Trainer<'a> {
             }
         }
         Ok(true)
+    }
+
+    /// Writes the checkpoint. The first one of a training that does not resume is a new file.
+    fn keep(&self) -> Result<(), LearnError> {
+        let path = checkpoint::path_for(self.request.out);
+        if self.request.resume || self.now.state.curve.len() > 1 {
+            return self.now.write(&path);
+        }
+        let output = self.request.outputs.reserve_with_folder(&path, "--out")?;
+        Ok(output.write(&self.now.to_bytes(&path)?)?)
     }
 
     fn out_of_patience(&self) -> bool {
@@ -300,7 +312,7 @@ impl<'a> Trainer<'a> {
             let file = Weights { head: outcome.head.clone(), tensors };
             let out = self.request.out;
             let bytes = file.to_bytes().map_err(|why| LearnError::write(out, why))?;
-            write_whole(out, &bytes)?;
+            self.request.outputs.reserve_with_folder(out, "--out")?.write(&bytes)?;
         }
         Ok(outcome)
     }

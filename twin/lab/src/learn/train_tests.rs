@@ -17,6 +17,7 @@ use super::{Dataset, LearnError};
 use twin_core::elementary::squared;
 use twin_core::residual::weights::{ModelKind, Weights};
 use twin_core::residual::{fdt, learned};
+use twin_record::Outputs;
 
 /// Two orders of summation in f32, for numbers of order one.
 const PARITY: f32 = 1e-5;
@@ -35,7 +36,8 @@ fn run(
     resume: bool,
     stop_after: usize,
 ) -> Result<Outcome, LearnError> {
-    let request = Request { config, seed: 3, resume, out, git: "test" };
+    let outputs = Outputs::default();
+    let request = Request { config, seed: 3, resume, out, outputs: &outputs, git: "test" };
     train(data, &request, &mut |progress: Progress| {
         if progress.finished.is_some() && progress.epoch >= stop_after {
             return ControlFlow::Break(());

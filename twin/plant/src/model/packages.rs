@@ -2,6 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use roxmltree::Document;
+
+/// Longest URDF whose meshes are looked up, bytes.
+const LONGEST_URDF: u64 = 64 << 20;
+
 /// Folders of the packages in `package://name/…`, by package name; earlier entries win.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Packages(pub Vec<(String, PathBuf)>);
@@ -32,6 +37,18 @@ impl Packages {
             return Err((format!("{scheme}:// is not read"), remedy));
         }
         Ok(urdf.parent().unwrap_or(Path::new("")).join(reference))
+    }
+
+    /// The URDF at `urdf` and its meshes, as far as they can be found. A file that is no URDF stands alone.
+    pub fn files(&self, urdf: &Path) -> Vec<PathBuf> {
+        let mut files = vec![urdf.to_owned()];
+        let short = std::fs::metadata(urdf).is_ok_and(|f| f.is_file() && f.len() <= LONGEST_URDF);
+        let text = short.then(|| std::fs::read_to_string(urdf).ok()).flatten().unwrap_or_default();
+        let Ok(document) = Document::parse(&text) else { return files };
+        let meshes = document.descendants().filter(|node| node.has_tag_name("mesh"));
+        let names = meshes.filter_map(|node| node.attribute("filename"));
+        files.extend(names.filter_map(|name| self.resolve(name, urdf).ok()));
+        files
     }
 
     fn unknown(&self, name: &str) -> (String, String) {

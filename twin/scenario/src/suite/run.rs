@@ -13,6 +13,7 @@ use super::record;
 use super::report::SuiteReport;
 use super::result::{CaseResult, Outcome};
 use crate::{Report, Scenario, Violation, fly};
+use twin_record::Outputs;
 
 /// Options of a run.
 #[derive(Clone, Debug, Default)]
@@ -25,6 +26,8 @@ pub struct Options {
     pub update: bool,
     /// The evidence to make of failed flights.
     pub evidence: Option<Evidence>,
+    /// The outputs of this run.
+    pub outputs: Outputs,
 }
 
 /// The evidence of a failed flight: its recording and a replay page.
@@ -36,9 +39,9 @@ pub struct Evidence {
     pub make_page: Option<MakePage>,
 }
 
-/// Writes the replay page of a recording. Arguments: file of the recording, file of the page, report of the flight. Returns the
-/// second of the flight at which the page opens, or the reason why there is no page.
-pub type MakePage = fn(&Path, &Path, &Report) -> Result<f64, String>;
+/// The replay page of a recording. Arguments: file of the recording, report of the flight. Returns the page and the second of the flight
+/// at which it opens, or the reason why there is no page.
+pub type MakePage = fn(&Path, &Report) -> Result<(String, f64), String>;
 
 /// Flies the cases of `plan`; `done` receives each result as its flight ends. The report has the order of the cases.
 pub fn run(plan: &Plan, options: &Options, done: &(dyn Fn(&CaseResult) + Sync)) -> SuiteReport {
@@ -96,7 +99,7 @@ fn fly_case(case: &Case, options: &Options) -> CaseResult {
         let scenario = Scenario::load(&case.file, &case.overrides).map_err(|e| e.to_string())?;
         let named = |error: &dyn std::fmt::Display| format!("{}: {error}", case.file.display());
         let report = match &scenario.settings.golden {
-            Some(golden) if options.update => record::golden(&scenario, golden),
+            Some(golden) if options.update => record::golden(&scenario, golden, &options.outputs),
             _ => fly(&scenario, &mut |_| {}).map_err(record::RecordError::from),
         };
         Ok::<_, String>((scenario, report.map_err(|error| named(&error))?))
@@ -124,7 +127,7 @@ fn fly_case(case: &Case, options: &Options) -> CaseResult {
     report.real_time_factor = Some(report.flight_s / result.wall_s.max(1e-9));
     // A sample of a sweep may fail. Its message names the overrides that repeat it.
     if let (false, Some(evidence), None) = (report.passed, &options.evidence, &case.sample) {
-        keep_evidence(&mut result, evidence, &scenario, &report);
+        keep_evidence(&mut result, evidence, &options.outputs, (&scenario, &report));
     }
     result.outcome = Outcome::Flown(Box::new(report));
     result
@@ -134,18 +137,25 @@ fn fly_case(case: &Case, options: &Options) -> CaseResult {
 fn keep_evidence(
     result: &mut CaseResult,
     Evidence { folder, make_page }: &Evidence,
-    scenario: &Scenario,
-    report: &Report,
+    outputs: &Outputs,
+    (scenario, report): (&Scenario, &Report),
 ) {
     let path = folder.join(file_name(&result.case.name));
-    if let Err(error) = record::flown_again(scenario, report, &path) {
-        result.artifact_trouble = Some(error.to_string());
-        return;
-    }
+    let path = match record::flown_again(scenario, report, &path, outputs) {
+        Ok(path) => path,
+        Err(error) => {
+            result.artifact_trouble = Some(error.to_string());
+            return;
+        }
+    };
     if let Some(make_page) = make_page {
         let page = path.with_extension("html");
-        match make_page(&path, &page, report) {
-            Ok(opens_at_s) => result.replay = Some((page, opens_at_s)),
+        let written = make_page(&path, report).and_then(|(text, opens_at_s)| {
+            let page = record::page(&page, &text, outputs).map_err(|error| error.to_string())?;
+            Ok((page, opens_at_s))
+        });
+        match written {
+            Ok(replay) => result.replay = Some(replay),
             Err(why) => result.artifact_trouble = Some(why),
         }
     }

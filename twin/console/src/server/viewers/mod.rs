@@ -29,6 +29,8 @@ mod meshcat_animation;
 mod viser_recording;
 pub mod export;
 
+use std::path::{Path, PathBuf};
+
 #[cfg(test)]
 pub(super) mod fixture;
 
@@ -62,6 +64,12 @@ impl Wheel {
         let flags = [("--implementation", &python[..2]), ("--python-version", version)];
         let flags = flags.into_iter().chain([("--abi", abi), ("--platform", platform)]);
         flags.flat_map(|(flag, value)| [flag.to_owned(), value.to_owned()]).collect()
+    }
+
+    /// Paths of the kept files below `viewers`, the folder of all viewers.
+    pub fn paths(&self, viewers: &Path) -> Vec<PathBuf> {
+        let folder = viewers.join(self.folder());
+        self.files.iter().map(|(_, name)| folder.join(name)).collect()
     }
 
     /// Folder of the kept files, below the folder of all viewers.
