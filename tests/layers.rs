@@ -52,6 +52,7 @@ const ONLY_IN: &[(&str, &[&str])] = &[
     ("clap", &["root"]),
     ("indicatif", &["root"]),
     ("anyhow", &["root"]),
+    ("signal-hook", &["root"]),
 ];
 
 /// Features that the crate `core` must not use: files, clocks, threads, unseeded randomness.

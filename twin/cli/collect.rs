@@ -33,7 +33,7 @@ pub(super) struct CollectArgs {
     scenarios: PathBuf,
     /// Print one JSON object instead of a table.
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
     #[command(flatten)]
     overrides: Overrides,
 }

@@ -7,9 +7,9 @@ use anyhow::Context;
 use clap::Args;
 use twin_console::server::{ServeOptions, serve};
 use twin_core::quantity;
-use twin_record::{Recorder, RecordingEnd};
+use twin_record::{Recorder, RecordingEnd, interruption};
 use twin_scenario::run::event_lines;
-use twin_scenario::{Report, Scenario, fly};
+use twin_scenario::{Report, Scenario, Verdict, fly_until_signal};
 
 use super::{End, Overrides, default_scenario};
 
@@ -23,7 +23,7 @@ pub(super) struct FlyArgs {
     headless: bool,
     /// Print exactly one JSON object on stdout (with --headless).
     #[arg(long, requires = "headless")]
-    json: bool,
+    pub(super) json: bool,
     /// Seed instead of the scenario's.
     #[arg(long)]
     seed: Option<u64>,
@@ -84,7 +84,7 @@ pub(super) fn run(args: &FlyArgs) -> anyhow::Result<End> {
     if args.headless {
         return headless(&scenario, args);
     }
-    serve(ServeOptions {
+    let signal = serve(ServeOptions {
         catalogue: catalogue(&file, &args.overrides.set),
         scenario,
         host: args.host.clone(),
@@ -95,7 +95,7 @@ pub(super) fn run(args: &FlyArgs) -> anyhow::Result<End> {
         viewer_dir: args.viewer_dir.clone().or_else(super::viewers::default_folder),
         foxglove_port: args.foxglove_port,
     })?;
-    Ok(End::Passed)
+    Ok(End::Interrupted(signal))
 }
 
 /// Usable scenarios in the folder of `file`, by name: a restart chooses from them.
@@ -126,7 +126,7 @@ fn headless(scenario: &Scenario, args: &FlyArgs) -> anyhow::Result<End> {
         None => None,
     };
     let mut trouble = None;
-    let mut report = fly(scenario, &mut |tick| {
+    let mut report = fly_until_signal(scenario, &mut |tick| {
         if !args.json {
             event_lines(tick).for_each(|line| eprintln!("{line}"));
         }
@@ -158,7 +158,11 @@ fn headless(scenario: &Scenario, args: &FlyArgs) -> anyhow::Result<End> {
     } else {
         print_report(&report);
     }
-    Ok(if report.passed { End::Passed } else { End::Failed })
+    Ok(match (interruption::requested(), report.passed) {
+        (Some(signal), _) if report.verdict == Verdict::Interrupted => End::Interrupted(signal),
+        (_, true) => End::Passed,
+        (_, false) => End::Failed,
+    })
 }
 
 fn print_report(report: &Report) {

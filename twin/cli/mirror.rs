@@ -14,7 +14,7 @@ use twin_foreign::live::{From, is_address};
 use twin_foreign::{Live, OpenedFlight, stand_in};
 use twin_foreign::{Shadow, ShadowReport};
 use twin_lab::evaluate::mirrored::FlightPicture;
-use twin_record::{Recorder, RecordingEnd, RecordingInfo};
+use twin_record::{Recorder, RecordingEnd, RecordingInfo, interruption};
 
 use super::End;
 use super::fly::{Speed, parse_speed};
@@ -36,7 +36,7 @@ pub(super) struct MirrorArgs {
     headless: bool,
     /// Print exactly one JSON object on stdout (with --headless).
     #[arg(long, requires = "headless")]
-    json: bool,
+    pub(super) json: bool,
     /// Record the flight with residuals and predictions as MCAP (with --headless).
     #[arg(long, value_name = "FILE.mcap", requires = "headless")]
     record: Option<PathBuf>,
@@ -78,16 +78,16 @@ pub(super) struct MirrorArgs {
 pub(super) fn run(args: &MirrorArgs) -> anyhow::Result<End> {
     if let Some(from) = live(args)? {
         let (live, opened) = hear(&from, args)?;
-        serve_mirror(options(args, opened, Some(live)))?;
-        return Ok(End::Passed);
+        let signal = serve_mirror(options(args, opened, Some(live)))?;
+        return Ok(End::Interrupted(signal));
     }
     let opened = open(args)?;
     for problem in &opened.survey.container.problems {
         eprintln!("{}: {problem}", args.file.display());
     }
     if !args.headless {
-        serve_mirror(options(args, opened, None))?;
-        return Ok(End::Passed);
+        let signal = serve_mirror(options(args, opened, None))?;
+        return Ok(End::Interrupted(signal));
     }
     let shadow = Shadow::of(&opened);
     let twin = beside::twin(args.urdf.as_deref(), &opened)?;
@@ -147,6 +147,7 @@ fn hear(from: &From, args: &MirrorArgs) -> anyhow::Result<(Live, OpenedFlight)> 
             return Ok((live, opened));
         }
         live.news().iter().for_each(|text| eprintln!("{text}"));
+        interruption::check()?;
         eprintln!("{}: waiting for a pose", live.name());
     }
 }

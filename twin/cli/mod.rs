@@ -1,5 +1,6 @@
 //! The commands and their flags.
 
+mod signals;
 mod viewers;
 mod fly;
 mod mirror_beside;
@@ -26,6 +27,8 @@ use std::process::ExitCode;
 use anyhow::Context;
 use clap::{Args, Parser, Subcommand};
 use twin_core::residual::weights::Weights;
+use twin_record::interruption::{self, Signal};
+use twin_scenario::Verdict;
 
 /// Digital twin of an aerial manipulator: contacts, residual learning, adaptive control, live console.
 #[derive(Parser)]
@@ -109,6 +112,30 @@ enum End {
     Passed,
     Failed,
     Unusable,
+    /// A signal ended the command before its work was done; its files are finished.
+    Interrupted(Signal),
+}
+
+impl Command {
+    /// Whether the command may have files to finish when a signal arrives. Any other command ends at once, as the system does it.
+    fn writes(&self) -> bool {
+        !matches!(self, Self::Diff(_) | Self::Info(_) | Self::Check(_) | Self::Viewers(_))
+    }
+
+    /// Whether stdout is to hold one JSON object, also if a signal arrives before there is anything to report.
+    fn prints_json(&self) -> bool {
+        match self {
+            Self::Fly(args) => args.json,
+            Self::Collect(args) => args.json,
+            Self::Evaluate(args) => args.prints_json(),
+            Self::Test(args) => args.prints_json(),
+            Self::Mirror(args) => args.json,
+            Self::Train(args) => args.json,
+            Self::Diff(_) | Self::Info(_) | Self::Check(_) | Self::Viewers(_) | Self::Export(_) => {
+                false
+            }
+        }
+    }
 }
 
 pub(crate) fn main() -> ExitCode {
@@ -119,31 +146,52 @@ pub(crate) fn main() -> ExitCode {
         .with_target(false)
         .with_env_filter(tracing_subscriber::EnvFilter::new("warn,twin=info"))
         .init();
-    let result = match cli.command {
-        Some(Command::Fly(args)) => fly::run(&args),
-        None => fly::run(&cli.fly),
-        Some(Command::Collect(args)) => collect::run(&args),
-        Some(Command::Evaluate(args)) => evaluate::run(&args),
-        Some(Command::Test(args)) => test::run_tests(&args),
-        Some(Command::Diff(args)) => diff::run(&args),
-        Some(Command::Mirror(args)) => mirror::run(&args),
-        Some(Command::Info(args)) => info::run(&args),
-        Some(Command::Export(Export::Html(args))) => export_html::run(&args),
-        Some(Command::Export(Export::Meshcat(args))) => export_viewers::meshcat(&args),
-        Some(Command::Export(Export::Viser(args))) => export_viewers::viser(&args),
-        Some(Command::Export(Export::Csv(args))) => export_csv::run(&args),
-        Some(Command::Check(args)) => Ok(check::run(&args)),
-        Some(Command::Train(args)) => train::run(&args),
-        Some(Command::Viewers(args)) => viewers::run(&args),
-    };
-    match result {
+    let command = cli.command.unwrap_or(Command::Fly(cli.fly));
+    match run(&command) {
         Ok(End::Passed) => ExitCode::SUCCESS,
         Ok(End::Failed) => ExitCode::from(1),
         Ok(End::Unusable) => ExitCode::from(2),
+        Ok(End::Interrupted(signal)) => {
+            eprintln!("interrupted by {signal}");
+            ExitCode::from(signal.exit_code())
+        }
+        // A command that a signal stopped before it had anything to report.
+        Err(error) if let Some(signal) = interruption::requested() => {
+            eprintln!("error: {}", sentence(&error));
+            if command.prints_json() {
+                println!(
+                    "{}",
+                    serde_json::json!({ "verdict": Verdict::Interrupted, "reason": signal.to_string() })
+                );
+            }
+            ExitCode::from(signal.exit_code())
+        }
         Err(error) => {
             eprintln!("error: {}", sentence(&error));
             ExitCode::from(2)
         }
+    }
+}
+
+fn run(command: &Command) -> anyhow::Result<End> {
+    if command.writes() {
+        signals::catch()?;
+    }
+    match command {
+        Command::Fly(args) => fly::run(args),
+        Command::Collect(args) => collect::run(args),
+        Command::Evaluate(args) => evaluate::run(args),
+        Command::Test(args) => test::run_tests(args),
+        Command::Diff(args) => diff::run(args),
+        Command::Mirror(args) => mirror::run(args),
+        Command::Info(args) => info::run(args),
+        Command::Export(Export::Html(args)) => export_html::run(args),
+        Command::Export(Export::Meshcat(args)) => export_viewers::meshcat(args),
+        Command::Export(Export::Viser(args)) => export_viewers::viser(args),
+        Command::Export(Export::Csv(args)) => export_csv::run(args),
+        Command::Check(args) => Ok(check::run(args)),
+        Command::Train(args) => train::run(args),
+        Command::Viewers(args) => viewers::run(args),
     }
 }
 

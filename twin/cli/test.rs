@@ -87,6 +87,13 @@ struct Reports {
     json: bool,
 }
 
+impl TestArgs {
+    /// Whether stdout is to hold one JSON object.
+    pub(super) fn prints_json(&self) -> bool {
+        self.fly.reports.json
+    }
+}
+
 /// Seeds for every scenario.
 #[derive(Clone)]
 struct Seeds(Vec<u64>);

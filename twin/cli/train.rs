@@ -71,7 +71,7 @@ pub(super) struct TrainArgs {
     print_config: bool,
     /// Print exactly one JSON object on stdout.
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
 }
 
 /// Device of a training.

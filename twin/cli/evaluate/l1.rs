@@ -28,7 +28,7 @@ pub(super) struct L1Args {
     #[arg(long)]
     jobs: Option<usize>,
     #[command(flatten)]
-    output: Output,
+    pub(super) output: Output,
     #[command(flatten)]
     overrides: Overrides,
 }

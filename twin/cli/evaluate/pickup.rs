@@ -18,7 +18,7 @@ pub(super) struct PickupArgs {
     #[arg(long)]
     jobs: Option<usize>,
     #[command(flatten)]
-    output: Output,
+    pub(super) output: Output,
     #[command(flatten)]
     overrides: Overrides,
 }

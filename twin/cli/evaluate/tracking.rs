@@ -46,7 +46,7 @@ pub(super) struct TrackingArgs {
     #[arg(long, conflicts_with = "cache")]
     no_cache: bool,
     #[command(flatten)]
-    output: Output,
+    pub(super) output: Output,
     #[command(flatten)]
     overrides: Overrides,
 }

@@ -61,6 +61,7 @@ use crate::server::pilot::{FirstFlight, Pilot, PilotOptions};
 use crate::server::protocol::ScenarioInfo;
 use twin_core::tuning::Tuning;
 use twin_record::RecordingError;
+use twin_record::interruption::Signal;
 use twin_scenario::{BuildError, Preset, Scenario};
 
 /// Largest number of requests that may wait for the flight.
@@ -159,12 +160,12 @@ impl App {
     }
 }
 
-/// Serves a flight until Ctrl+C.
+/// Serves a flight until a signal asks the program to end; returns the signal.
 ///
 /// # Errors
 /// [`ServerError`] if the server cannot start.
-pub fn serve(options: ServeOptions) -> Result<(), ServerError> {
-    running::watch(spawn(options)?)
+pub fn serve(options: ServeOptions) -> Result<Signal, ServerError> {
+    Ok(running::watch(spawn(options)?))
 }
 
 /// Serves a flight in the background.

@@ -18,8 +18,8 @@ use crate::server::pace::{Lateness, Meter, Pace, STAGES, now};
 use crate::server::protocol::{EventInfo, NoticeLevel, ScenarioInfo, ServerMessage, StageCost};
 use crate::server::served_flight::{ServedFlight, word};
 use twin_core::tick::{EventKind, Tick};
-use twin_record::RecordingEnd;
-use twin_scenario::Scenario;
+use twin_record::{RecordingEnd, interruption};
+use twin_scenario::{Scenario, Verdict};
 
 /// The state is published at least this often, and the thread looks at its requests at least this often.
 const STATE_PERIOD: Duration = Duration::from_millis(400);
@@ -147,7 +147,15 @@ impl Pilot {
                 self.publish_state();
             }
         }
-        self.end_recording("");
+        self.end_recording(&self.landing());
+    }
+
+    /// The verdict of a recording that ends before its flight: the signal that ended the program, or nothing.
+    fn landing(&self) -> String {
+        let signal = interruption::requested();
+        signal.map_or_else(String::new, |signal| {
+            format!("{}: {signal} at {:.2} s", Verdict::Interrupted, self.served.t_s)
+        })
     }
 
     /// Flies all ticks before the target of a seek. The hub wakes the clients only after the last of them.

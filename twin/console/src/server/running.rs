@@ -12,6 +12,10 @@ use tokio::sync::oneshot;
 use crate::server::hub::Hub;
 use crate::server::listen::Beside;
 use crate::server::{App, ServerError, foxglove};
+use twin_record::interruption::{self, Signal};
+
+/// Period at which the program looks for a signal.
+const LOOK: Duration = Duration::from_millis(20);
 
 /// Connections get this long to close.
 const SHUTDOWN_TIMEOUT: Duration = Duration::from_secs(1);
@@ -27,11 +31,8 @@ pub struct Running {
     pub(super) runtime: Option<Runtime>,
 }
 
-/// Logs the addresses of the server and waits for Ctrl+C.
-///
-/// # Errors
-/// [`ServerError::System`] if signals cannot be received.
-pub(super) fn watch(running: Running) -> Result<(), ServerError> {
+/// Logs the addresses of the server and serves until a signal asks the program to end.
+pub(super) fn watch(running: Running) -> Signal {
     tracing::info!("console on http://{}", running.address());
     if let Some(address) = running.foxglove_address() {
         tracing::info!("Foxglove on ws://{address}");
@@ -63,16 +64,16 @@ impl Running {
         Ok(())
     }
 
-    /// Waits for Ctrl+C or SIGTERM, then stops.
-    ///
-    /// # Errors
-    /// [`ServerError::System`] if signals cannot be received.
-    pub fn wait(self) -> Result<(), ServerError> {
-        if let Some(runtime) = &self.runtime {
-            runtime.block_on(signal())?;
-        }
+    /// Waits for a signal that asks the program to end, then stops.
+    pub fn wait(self) -> Signal {
+        let signal = loop {
+            if let Some(signal) = interruption::requested() {
+                break signal;
+            }
+            std::thread::sleep(LOOK);
+        };
         self.stop();
-        Ok(())
+        signal
     }
 
     /// Ends the flight, its recording and every connection.
@@ -105,19 +106,4 @@ impl Drop for Running {
     fn drop(&mut self) {
         self.shut_down();
     }
-}
-
-#[cfg(unix)]
-async fn signal() -> std::io::Result<()> {
-    use tokio::signal::unix::{SignalKind, signal};
-    let mut terminate = signal(SignalKind::terminate())?;
-    tokio::select! {
-        pressed = tokio::signal::ctrl_c() => pressed,
-        _ = terminate.recv() => Ok(()),
-    }
-}
-
-#[cfg(not(unix))]
-async fn signal() -> std::io::Result<()> {
-    tokio::signal::ctrl_c().await
 }
