@@ -14,6 +14,7 @@ mod evaluate;
 mod train;
 mod collect;
 mod diff;
+mod recover;
 mod export_csv;
 mod export_html;
 mod export_viewers;
@@ -54,6 +55,7 @@ const EXAMPLES: &str = "Examples:
   twin mirror flight.mcap --headless --json     a real flight through the loop in shadow
   twin export csv flight.mcap -o flight.csv     ticks, residuals and predictions as CSV
   twin info flight.mcap                         what a recording holds, and what is wrong with it
+  twin recover cut.mcap -o whole.mcap           everything readable of a damaged or unfinished recording
   twin check scenarios/*.toml urdf/*.urdf       are these files usable?
   twin train flights/*.mcap                     the residual's model from recorded flights
   twin viewers fetch                            the stock viewers, for /meshcat/ and /viser";
@@ -74,6 +76,8 @@ enum Command {
     Mirror(mirror::MirrorArgs),
     /// List the content of an MCAP file and its defects.
     Info(info::InfoArgs),
+    /// Salvage a recording that was cut off, never finished, or damaged: everything that can be read, as a finished file.
+    Recover(recover::RecoverArgs),
     /// Export a recording to another format.
     #[command(subcommand)]
     Export(Export),
@@ -131,6 +135,7 @@ impl Command {
             Self::Test(args) => args.prints_json(),
             Self::Mirror(args) => args.json,
             Self::Train(args) => args.json,
+            Self::Recover(args) => args.json,
             Self::Diff(_) | Self::Info(_) | Self::Check(_) | Self::Viewers(_) | Self::Export(_) => {
                 false
             }
@@ -189,6 +194,7 @@ fn run(command: &Command) -> anyhow::Result<End> {
         Command::Export(Export::Meshcat(args)) => export_viewers::meshcat(args),
         Command::Export(Export::Viser(args)) => export_viewers::viser(args),
         Command::Export(Export::Csv(args)) => export_csv::run(args),
+        Command::Recover(args) => recover::run(args),
         Command::Check(args) => Ok(check::run(args)),
         Command::Train(args) => train::run(args),
         Command::Viewers(args) => viewers::run(args),

@@ -18,6 +18,8 @@ pub mod views;
 mod track;
 #[cfg(feature = "files")]
 pub mod recorder;
+#[cfg(feature = "files")]
+pub mod recover;
 pub mod fixture;
 
 #[cfg(feature = "files")]
