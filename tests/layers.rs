@@ -53,6 +53,7 @@ const ONLY_IN: &[(&str, &[&str])] = &[
     ("indicatif", &["root"]),
     ("anyhow", &["root"]),
     ("signal-hook", &["root"]),
+    ("rustix", &["record"]),
 ];
 
 /// Features that the crate `core` must not use: files, clocks, threads, unseeded randomness.

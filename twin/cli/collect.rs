@@ -6,8 +6,11 @@ use anyhow::Context;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use twin_core::notation::{COORDINATE_NAMES, TICK_S};
-use twin_scenario::collect::{Collected, EXPECTED_STD, Flight, Plan, Spread, collect};
-use twin_scenario::side_by_side;
+use twin_record::interruption::{self, Signal};
+use twin_scenario::collect::{
+    CollectError, Collected, EXPECTED_STD, Flight, Plan, Spread, collect,
+};
+use twin_scenario::{Verdict, side_by_side};
 
 use super::{End, Overrides};
 
@@ -59,7 +62,11 @@ pub(super) fn run(args: &CollectArgs) -> anyhow::Result<End> {
         .with_context(|| format!("{}: cannot be made", args.out.display()))?;
     let threads =
         args.jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
-    let collected = fly(&flights, threads, args.seconds)?;
+    let collected = fly(&flights, threads, args.seconds);
+    if let Some(signal) = interruption::requested() {
+        return interrupted(args, &flights, collected, signal);
+    }
+    let collected = collected.into_iter().collect::<Result<Vec<_>, _>>()?;
     let training: Vec<Spread> = collected
         .iter()
         .filter(|flight| flight.scenario.starts_with("collect_"))
@@ -83,7 +90,39 @@ pub(super) fn run(args: &CollectArgs) -> anyhow::Result<End> {
     Ok(if collected.iter().all(Collected::usable) { End::Passed } else { End::Failed })
 }
 
-fn fly(flights: &[Flight], threads: usize, seconds: f64) -> anyhow::Result<Vec<Collected>> {
+/// Reports the flights that were begun before the signal; their recordings are finished. The table of all flights is not written.
+fn interrupted(
+    args: &CollectArgs,
+    flights: &[Flight],
+    collected: Vec<Result<Collected, CollectError>>,
+    signal: Signal,
+) -> anyhow::Result<End> {
+    let mut begun = Vec::new();
+    for flight in collected {
+        match flight {
+            Ok(flight) => begun.push(flight),
+            Err(CollectError::Interrupted(_)) => {}
+            Err(error) => return Err(error.into()),
+        }
+    }
+    for flight in &begun {
+        eprintln!("{}: {}: {}", flight.file.display(), flight.verdict, flight.reason);
+    }
+    eprintln!("{} of {} flights were not begun", flights.len() - begun.len(), flights.len());
+    if args.json {
+        let found = serde_json::json!({
+            "table": "collect",
+            "verdict": Verdict::Interrupted,
+            "reason": signal.to_string(),
+            "flights": begun,
+            "not_begun": flights.len() - begun.len(),
+        });
+        println!("{found}");
+    }
+    Ok(End::Interrupted(signal))
+}
+
+fn fly(flights: &[Flight], threads: usize, seconds: f64) -> Vec<Result<Collected, CollectError>> {
     let ticks = (seconds / TICK_S) as u64 * flights.len() as u64;
     let bar = ProgressBar::new(ticks).with_style(
         ProgressStyle::with_template(
@@ -94,7 +133,7 @@ fn fly(flights: &[Flight], threads: usize, seconds: f64) -> anyhow::Result<Vec<C
     let collected =
         side_by_side(flights, threads, &|flight| collect(flight, &|ticks| bar.inc(ticks)));
     bar.finish_and_clear();
-    Ok(collected.into_iter().collect::<Result<_, _>>()?)
+    collected
 }
 
 fn print_table(collected: &[Collected], together: &Spread) {

@@ -7,7 +7,7 @@ use anyhow::Context;
 use clap::Args;
 use twin_console::server::{ServeOptions, serve};
 use twin_core::quantity;
-use twin_record::{Recorder, RecordingEnd, interruption};
+use twin_record::{Recorder, RecordingEnd, RecordingStatus, interruption};
 use twin_scenario::run::event_lines;
 use twin_scenario::{Report, Scenario, Verdict, fly_until_signal};
 
@@ -84,7 +84,7 @@ pub(super) fn run(args: &FlyArgs) -> anyhow::Result<End> {
     if args.headless {
         return headless(&scenario, args);
     }
-    let signal = serve(ServeOptions {
+    let served = serve(ServeOptions {
         catalogue: catalogue(&file, &args.overrides.set),
         scenario,
         host: args.host.clone(),
@@ -95,7 +95,7 @@ pub(super) fn run(args: &FlyArgs) -> anyhow::Result<End> {
         viewer_dir: args.viewer_dir.clone().or_else(super::viewers::default_folder),
         foxglove_port: args.foxglove_port,
     })?;
-    Ok(End::Interrupted(signal))
+    Ok(if served.recordings_whole { End::Interrupted(served.signal) } else { End::Failed })
 }
 
 /// Usable scenarios in the folder of `file`, by name: a restart chooses from them.
@@ -122,47 +122,62 @@ fn headless(scenario: &Scenario, args: &FlyArgs) -> anyhow::Result<End> {
     )]
     let started = std::time::Instant::now();
     let mut recorder = match &args.record {
-        Some(path) => Some(Recorder::create(path, &scenario.recording_info(&scenario.tuning()?)?)?),
+        Some(path) => {
+            let info = scenario.recording_info(&scenario.tuning()?)?;
+            Some(Recorder::create(path, &info)?.for_flight_of(scenario.settings.planned_s()))
+        }
         None => None,
     };
-    let mut trouble = None;
     let mut report = fly_until_signal(scenario, &mut |tick| {
         if !args.json {
             event_lines(tick).for_each(|line| eprintln!("{line}"));
         }
-        if let Some(recorder) = &mut recorder
-            && trouble.is_none()
-        {
-            trouble = recorder.record(Arc::new(tick.clone())).err();
+        if let Some(recorder) = &mut recorder {
+            // A recording that fails does not end the flight; its status tells below.
+            let _ = recorder.record(Arc::new(tick.clone()));
         }
     })
     .with_context(|| scenario.file.display().to_string())?;
-    if let Some(trouble) = trouble {
-        return Err(trouble.into());
-    }
-    if let Some(recorder) = recorder {
-        let end = RecordingEnd {
+    let recording = match recorder {
+        Some(recorder) => Some(recorder.close(RecordingEnd {
             state_hash: u64::from_str_radix(&report.state_hash, 16)?,
-            verdict: format!(
-                "{}: {}",
-                serde_json::to_value(report.verdict)?.as_str().unwrap_or_default(),
-                report.reason
-            ),
-        };
-        let written = recorder.finish(end)?;
-        eprintln!("{} ticks recorded", written.ticks);
-    }
+            verdict: format!("{}: {}", report.verdict, report.reason),
+        })),
+        None => None,
+    };
     report.real_time_factor = Some(report.flight_s / started.elapsed().as_secs_f64().max(1e-9));
+    let is_recorded = recording.as_ref().is_none_or(told);
     if args.json {
-        println!("{}", serde_json::to_string(&report)?);
+        println!("{}", serde_json::to_string(&Flown { report: &report, recording })?);
     } else {
         print_report(&report);
+    }
+    if !is_recorded {
+        return Ok(End::Failed);
     }
     Ok(match (interruption::requested(), report.passed) {
         (Some(signal), _) if report.verdict == Verdict::Interrupted => End::Interrupted(signal),
         (_, true) => End::Passed,
         (_, false) => End::Failed,
     })
+}
+
+/// What a flight and its recording came to, for `--json`.
+#[derive(serde::Serialize)]
+struct Flown<'a> {
+    #[serde(flatten)]
+    report: &'a Report,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    recording: Option<RecordingStatus>,
+}
+
+/// Says how a recording went; returns whether it is whole.
+pub(super) fn told(recording: &RecordingStatus) -> bool {
+    match &recording.error {
+        None => eprintln!("{} ticks recorded", recording.ticks),
+        Some(error) => eprintln!("error: {error}"),
+    }
+    recording.error.is_none()
 }
 
 fn print_report(report: &Report) {

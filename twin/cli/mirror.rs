@@ -8,16 +8,19 @@ use anyhow::Context;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use twin_console::server::{MirrorOptions, serve_mirror};
+use twin_core::notation::TICK_S;
 use twin_core::residual::PredictorInfo;
 use twin_core::tick::Tick;
 use twin_foreign::live::{From, is_address};
 use twin_foreign::{Live, OpenedFlight, stand_in};
 use twin_foreign::{Shadow, ShadowReport};
 use twin_lab::evaluate::mirrored::FlightPicture;
-use twin_record::{Recorder, RecordingEnd, RecordingInfo, interruption};
+use twin_record::interruption::{self, Signal};
+use twin_record::{Recorder, RecordingEnd, RecordingInfo, RecordingStatus};
+use twin_scenario::Verdict;
 
 use super::End;
-use super::fly::{Speed, parse_speed};
+use super::fly::{Speed, parse_speed, told};
 use super::mirror_beside as beside;
 
 /// Time without data after which the program says what it waits for.
@@ -78,21 +81,28 @@ pub(super) struct MirrorArgs {
 pub(super) fn run(args: &MirrorArgs) -> anyhow::Result<End> {
     if let Some(from) = live(args)? {
         let (live, opened) = hear(&from, args)?;
-        let signal = serve_mirror(options(args, opened, Some(live)))?;
-        return Ok(End::Interrupted(signal));
+        let served = serve_mirror(options(args, opened, Some(live)))?;
+        return Ok(End::Interrupted(served.signal));
     }
     let opened = open(args)?;
     for problem in &opened.survey.container.problems {
         eprintln!("{}: {problem}", args.file.display());
     }
     if !args.headless {
-        let signal = serve_mirror(options(args, opened, None))?;
-        return Ok(End::Interrupted(signal));
+        let served = serve_mirror(options(args, opened, None))?;
+        return Ok(End::Interrupted(served.signal));
     }
     let shadow = Shadow::of(&opened);
     let twin = beside::twin(args.urdf.as_deref(), &opened)?;
     let mut picture = args.plot.as_ref().map(|_| FlightPicture::new(opened.recorded.mass_kg));
-    let report = fly(&opened, &shadow, args.record.as_deref(), picture.as_mut())?;
+    let (report, recording) = fly(&opened, &shadow, args.record.as_deref(), picture.as_mut())?;
+    let is_recorded = recording.as_ref().is_none_or(told);
+    if let Some(signal) = interruption::requested() {
+        if args.json {
+            println!("{}", interrupted(&opened, &report, recording.as_ref(), signal)?);
+        }
+        return Ok(if is_recorded { End::Interrupted(signal) } else { End::Failed });
+    }
     if let (Some(file), Some(picture)) = (&args.plot, &picture) {
         std::fs::write(file, picture.svg(&opened.name()))
             .with_context(|| format!("{}: the picture cannot be written", file.display()))?;
@@ -101,12 +111,31 @@ pub(super) fn run(args: &MirrorArgs) -> anyhow::Result<End> {
     if args.json {
         let mut found = json(&opened, &report);
         found["divergence"] = divergence.json();
+        if let Some(recording) = &recording {
+            found["recording"] = serde_json::to_value(recording)?;
+        }
         println!("{found}");
     } else {
         print(&opened, &report);
         divergence.print();
     }
-    Ok(End::Passed)
+    Ok(if is_recorded { End::Passed } else { End::Failed })
+}
+
+/// The JSON object of a flight that a signal ended: how far it came.
+fn interrupted(
+    opened: &OpenedFlight,
+    report: &ShadowReport,
+    recording: Option<&RecordingStatus>,
+    signal: Signal,
+) -> anyhow::Result<serde_json::Value> {
+    let mut found = json(opened, report);
+    found["verdict"] = serde_json::to_value(Verdict::Interrupted)?;
+    found["reason"] = format!("{signal} at {:.2} s", report.flight_s).into();
+    if let Some(recording) = recording {
+        found["recording"] = serde_json::to_value(recording)?;
+    }
+    Ok(found)
 }
 
 fn options(args: &MirrorArgs, opened: OpenedFlight, live: Option<Live>) -> MirrorOptions {
@@ -173,20 +202,22 @@ fn fly(
     shadow: &Shadow,
     record: Option<&Path>,
     mut picture: Option<&mut FlightPicture>,
-) -> anyhow::Result<ShadowReport> {
+) -> anyhow::Result<(ShadowReport, Option<RecordingStatus>)> {
+    let planned_s = shadow.ticks() as f64 * TICK_S;
     let mut recorder = match record {
-        Some(path) => Some(Recorder::create(path, &recording_info(opened, shadow)?)?),
+        Some(path) => {
+            let recorder = Recorder::create(path, &recording_info(opened, shadow)?)?;
+            Some(recorder.for_flight_of(planned_s))
+        }
         None => None,
     };
-    let mut trouble = None;
     let mut keep = |tick: &Tick| {
         if let Some(picture) = &mut picture {
             picture.add(tick);
         }
-        if let Some(recorder) = &mut recorder
-            && trouble.is_none()
-        {
-            trouble = recorder.record(Arc::new(tick.clone())).err();
+        if let Some(recorder) = &mut recorder {
+            // A recording that fails does not end the flight; its status tells.
+            let _ = recorder.record(Arc::new(tick.clone()));
         }
     };
     let report = shadow
@@ -195,16 +226,13 @@ fn fly(
     for text in shadow.playback().troubles() {
         eprintln!("{}: {text}", opened.path.display());
     }
-    if let Some(trouble) = trouble {
-        return Err(trouble.into());
-    }
-    if let Some(recorder) = recorder {
-        let state_hash = u64::from_str_radix(&report.state_hash, 16)?;
-        let verdict = "mirrored in shadow".to_owned();
-        let written = recorder.finish(RecordingEnd { state_hash, verdict })?;
-        eprintln!("{} ticks recorded", written.ticks);
-    }
-    Ok(report)
+    let verdict = match interruption::requested() {
+        Some(signal) => format!("{}: {signal} at {:.2} s", Verdict::Interrupted, report.flight_s),
+        None => "mirrored in shadow".to_owned(),
+    };
+    let state_hash = u64::from_str_radix(&report.state_hash, 16)?;
+    let recording = recorder.map(|recorder| recorder.close(RecordingEnd { state_hash, verdict }));
+    Ok((report, recording))
 }
 
 fn recording_info(opened: &OpenedFlight, shadow: &Shadow) -> anyhow::Result<RecordingInfo> {

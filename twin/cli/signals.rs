@@ -14,6 +14,17 @@ pub(super) fn catch() -> anyhow::Result<()> {
     for signal in Signal::ALL.into_iter().filter(|signal| !is_ignored(*signal)) {
         install(signal, &asked).with_context(|| format!("{signal} cannot be caught"))?;
     }
+    survive_full_files().context("SIGXFSZ cannot be caught")
+}
+
+/// A file that reaches the limit of the shell (`ulimit -f`) becomes an error of its writer, instead of the end of the program.
+#[cfg(unix)]
+fn survive_full_files() -> std::io::Result<()> {
+    flag::register(signal_hook::consts::SIGXFSZ, Arc::default()).map(|_| ())
+}
+
+#[cfg(not(unix))]
+fn survive_full_files() -> std::io::Result<()> {
     Ok(())
 }
 

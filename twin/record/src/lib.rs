@@ -14,6 +14,13 @@ pub mod lossless;
 pub mod recording;
 #[cfg(feature = "files")]
 pub mod views;
+mod recording_status;
+#[cfg(feature = "files")]
+mod progress;
+#[cfg(feature = "files")]
+mod watched_file;
+#[cfg(feature = "files")]
+mod space;
 #[cfg(feature = "files")]
 mod track;
 #[cfg(feature = "files")]
@@ -27,3 +34,4 @@ pub use recorder::{Recorder, Written};
 #[cfg(feature = "files")]
 pub use recording::{Recording, RecordingError, read_recording, read_ticks};
 pub use recording_info::{MIRRORED, RecordingEnd, RecordingInfo};
+pub use recording_status::{RecordingState, RecordingStatus};

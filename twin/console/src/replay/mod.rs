@@ -23,7 +23,7 @@ use twin_core::residual::{HORIZON, PredictorInfo};
 use twin_core::tick::Tick;
 use twin_core::tuning::Tuning;
 use twin_record::scene::Scene;
-use twin_record::{Recording, RecordingError, read_recording};
+use twin_record::{Recording, RecordingError, interruption, read_recording};
 use twin_scenario::file::read_recorded;
 use twin_scenario::{ActuatorLimits, Assessor, DEFAULTS, Report, Scenario, Settings};
 
@@ -101,6 +101,7 @@ struct Head {
 /// [`ReplayError`] if the recording is not usable or the page cannot be written.
 pub fn export(from: &Path, to: &Path, report: Option<&Report>) -> Result<f64, ReplayError> {
     let (page, opens_at_s) = page(&read_recording(from)?, report)?;
+    interruption::check().map_err(RecordingError::from)?;
     std::fs::write(to, page)
         .map_err(|error| ReplayError::Write { path: to.to_owned(), why: error.to_string() })?;
     Ok(opens_at_s)
@@ -236,6 +237,7 @@ fn hello(
         wind_m_s: settings.wind.velocity_m_s,
         effects_off: Vec::new(),
         twin: None,
+        recording: None,
     };
     Hello {
         protocol: PROTOCOL_VERSION,

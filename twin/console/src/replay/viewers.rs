@@ -10,7 +10,7 @@ use base64::engine::general_purpose::STANDARD;
 use super::{ReplayError, fill, json_part};
 use crate::server::viewers::{MESHCAT, VISER, Wheel, export};
 use twin_record::scene::Scene;
-use twin_record::{Recording, read_recording};
+use twin_record::{Recording, RecordingError, interruption, read_recording};
 
 /// Level of zstd. A flight is written once, so a small file matters more than a fast compression.
 const COMPRESSION_LEVEL: i32 = 9;
@@ -94,6 +94,7 @@ fn unusable(wheel: Wheel, name: &str) -> ReplayError {
 }
 
 fn write(to: &Path, bytes: &[u8]) -> Result<(), ReplayError> {
+    interruption::check().map_err(RecordingError::from)?;
     std::fs::write(to, bytes)
         .map_err(|error| ReplayError::Write { path: to.to_owned(), why: error.to_string() })
 }

@@ -8,10 +8,9 @@ use crate::server::flight_recorder::FlightRecorder;
 use crate::server::listen::{Beside, ListenOptions};
 use crate::server::mirrored::Mirrored;
 use crate::server::pilot::{FirstFlight, PilotOptions};
-use crate::server::running::{Running, watch};
+use crate::server::running::{Running, Served, watch};
 use crate::server::{ServerError, launch};
 use twin_foreign::{Live, OpenedFlight};
-use twin_record::interruption::Signal;
 
 /// Options for serving a recording.
 pub struct MirrorOptions {
@@ -35,11 +34,11 @@ pub struct MirrorOptions {
     pub foxglove_port: Option<u16>,
 }
 
-/// Serves a recording until a signal asks the program to end; returns the signal.
+/// Serves a recording until a signal asks the program to end.
 ///
 /// # Errors
 /// [`ServerError`] if the server cannot start.
-pub fn serve_mirror(options: MirrorOptions) -> Result<Signal, ServerError> {
+pub fn serve_mirror(options: MirrorOptions) -> Result<Served, ServerError> {
     Ok(watch(spawn_mirror(options)?))
 }
 

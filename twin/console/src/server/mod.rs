@@ -39,7 +39,7 @@ mod mirroring;
 mod typescript;
 
 pub use mirroring::{MirrorOptions, serve_mirror, spawn_mirror};
-pub use running::Running;
+pub use running::{Running, Served};
 
 use std::collections::BTreeMap;
 use std::net::{IpAddr, SocketAddr};
@@ -61,7 +61,6 @@ use crate::server::pilot::{FirstFlight, Pilot, PilotOptions};
 use crate::server::protocol::ScenarioInfo;
 use twin_core::tuning::Tuning;
 use twin_record::RecordingError;
-use twin_record::interruption::Signal;
 use twin_scenario::{BuildError, Preset, Scenario};
 
 /// Largest number of requests that may wait for the flight.
@@ -160,11 +159,11 @@ impl App {
     }
 }
 
-/// Serves a flight until a signal asks the program to end; returns the signal.
+/// Serves a flight until a signal asks the program to end.
 ///
 /// # Errors
 /// [`ServerError`] if the server cannot start.
-pub fn serve(options: ServeOptions) -> Result<Signal, ServerError> {
+pub fn serve(options: ServeOptions) -> Result<Served, ServerError> {
     Ok(running::watch(spawn(options)?))
 }
 
@@ -261,7 +260,7 @@ fn take_off(
     orders: PilotOptions,
     inbox: Receiver<Request>,
     landing: Arc<AtomicBool>,
-) -> Result<(Arc<Hub>, JoinHandle<()>), ServerError> {
+) -> Result<(Arc<Hub>, JoinHandle<bool>), ServerError> {
     let (ready, published) = sync_channel(1);
     let flight = std::thread::Builder::new().name("flight".to_owned()).spawn(move || {
         let (pilot, told) = match Pilot::new(orders) {
@@ -271,8 +270,9 @@ fn take_off(
             }
             Err(error) => (None, ready.send(Err(error))),
         };
-        if let (Some(pilot), Ok(())) = (pilot, told) {
-            pilot.fly(&inbox, &landing);
+        match (pilot, told) {
+            (Some(pilot), Ok(())) => pilot.fly(&inbox, &landing),
+            _ => true,
         }
     })?;
     let hub = published.recv().map_err(|_| ServerError::NoFlight)??;
