@@ -10,7 +10,7 @@ use twin_core::notation::{COORDINATE_NAMES, KnownCoords, N};
 use twin_core::tick::Tick;
 use twin_foreign::OpenedFlight;
 use twin_foreign::Shadow;
-use twin_record::read_recording;
+use twin_record::{interruption, read_recording};
 
 use super::End;
 
@@ -58,7 +58,13 @@ pub(super) fn run(args: &CsvArgs) -> anyhow::Result<End> {
         }
         // A reader that closes the pipe early is no failure.
         Err(error) if is_closed_pipe(&error) => Ok(End::Passed),
-        Err(error) => Err(error),
+        Err(error) => {
+            // Half a table looks like a whole one. A file that cannot be removed matters less than the error.
+            if let Some(path) = &args.output {
+                let _ = std::fs::remove_file(path);
+            }
+            Err(error)
+        }
     }
 }
 
@@ -80,6 +86,7 @@ fn write(args: &CsvArgs, out: &mut dyn Write) -> anyhow::Result<usize> {
     if opened.is_own() {
         let ticks = read_recording(&args.file)?.ticks;
         for tick in &ticks {
+            interruption::check()?;
             writeln!(out, "{}", line(tick))?;
         }
         return Ok(ticks.len());
@@ -87,6 +94,7 @@ fn write(args: &CsvArgs, out: &mut dyn Write) -> anyhow::Result<usize> {
     let shadow = Shadow::of(&opened);
     let mut flight = shadow.flight(0, shadow.tuning()).context("no tick to fly")?;
     for _ in 0..shadow.ticks() {
+        interruption::check()?;
         writeln!(out, "{}", line(&flight.tick()))?;
     }
     Ok(shadow.ticks())

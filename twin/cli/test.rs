@@ -6,6 +6,7 @@ use anyhow::Context;
 use clap::{Args, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 use twin_console::replay;
+use twin_record::interruption;
 use twin_scenario::Report;
 use twin_scenario::suite::{
     Evidence, Options, Selection, Shard, SuiteReport, junit, merge, page, plan, run,
@@ -180,7 +181,12 @@ fn hand_over(report: &SuiteReport, wanted: &Reports, wall_s: f64) -> anyhow::Res
     } else {
         print_table(report, wall_s);
     }
+    if let (Some(_), Some(signal)) = (&report.verdict, interruption::requested()) {
+        return Ok(End::Interrupted(signal));
+    }
     Ok(match (report.could_not_run, report.failed) {
+        // A shard was interrupted: what is missing may have failed.
+        (0, 0) if report.verdict.is_some() => End::Failed,
         (0, 0) => End::Passed,
         (0, _) => End::Failed,
         _ => End::Unusable,

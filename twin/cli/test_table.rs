@@ -49,6 +49,9 @@ pub(super) fn print_table(report: &SuiteReport, wall_s: f64) {
     for (name, Successes { passed, flown, interval_95: (low, high) }) in &report.shares {
         println!("{name}: {passed} of {flown} passed, 95 % interval {low:.3} to {high:.3}");
     }
+    if let Some(verdict) = &report.verdict {
+        println!("{verdict}: a signal stopped the run");
+    }
     let flown_s = report.flown_s();
     println!(
         "{} passed, {} failed, {} could not run, {} not run; {flown_s:.0} s flown in {wall_s:.1} s, {:.1} x real time",

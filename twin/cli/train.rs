@@ -14,7 +14,7 @@ What it does: reads the flights, cuts them into windows of 1.2 s, and fits a mod
 0, 10 … 60 ms. The last 15 % of each flight are held back; training ends when the loss there stops falling. Ticks in contact
 are not learned from. The file that comes out flies: `twin fly --set predictor.kind=fdt --set predictor.weights=FILE`.
 
-A forecast of the mean has a loss of about 1; R² is about 1 minus the loss. Ctrl-C loses only the present epoch: resume with --resume.
+A forecast of the mean has a loss of about 1; R² is about 1 minus the loss. Ctrl+C loses only the present epoch: resume with --resume.
 The same data, settings and seed give the same file on one machine.
 
 Examples:
@@ -193,16 +193,52 @@ fn train(args: &TrainArgs, jobs: &[Job]) -> anyhow::Result<End> {
     if !data.left_out.is_empty() {
         eprintln!("left out because not every flight knows them: {}", data.left_out.join(", "));
     }
-    let results = jobs.iter().map(|job| one(args, &data, job)).collect::<Result<Vec<_>, _>>()?;
+    let mut results = Vec::new();
+    for job in jobs {
+        results.push(one(args, &data, job)?);
+        if results.iter().any(|result| result["verdict"].is_string()) {
+            break;
+        }
+    }
+    let stopped = results.iter().any(|result| result["verdict"].is_string());
     if args.json {
-        let value = if args.all {
-            serde_json::json!({ "models": results })
-        } else {
-            results.into_iter().next().unwrap_or_default()
+        let value = match (args.all, stopped) {
+            (true, false) => serde_json::json!({ "models": results }),
+            (true, true) => {
+                serde_json::json!({ "verdict": twin_scenario::Verdict::Interrupted, "models": results })
+            }
+            (false, _) => results.into_iter().next().unwrap_or_default(),
         };
         println!("{value}");
     }
-    Ok(End::Passed)
+    Ok(match twin_record::interruption::requested() {
+        Some(signal) if stopped => End::Interrupted(signal),
+        _ => End::Passed,
+    })
+}
+
+/// The figures of a training that a signal stopped. Its checkpoint holds the finished epochs; weights and picture are not written.
+#[cfg(feature = "train")]
+fn interrupted(job: &Job, outcome: &twin_lab::learn::train::Outcome) -> serde_json::Value {
+    let checkpoint = twin_lab::learn::checkpoint::path_for(&job.out);
+    let epochs = outcome.curve.len();
+    if epochs == 0 {
+        eprintln!("{}: stopped before the first epoch was finished", job.out.display());
+    } else {
+        eprintln!(
+            "{}: stopped after {epochs} epochs; --resume goes on from {}",
+            job.out.display(),
+            checkpoint.display()
+        );
+    }
+    serde_json::json!({
+        "verdict": twin_scenario::Verdict::Interrupted,
+        "out": job.out,
+        "checkpoint": (epochs > 0).then_some(checkpoint),
+        "model": outcome.head.model,
+        "epochs": epochs,
+        "curve": outcome.curve,
+    })
 }
 
 /// The files as they are; for a folder, its `collect_*.mcap` in the order of their names.
@@ -238,6 +274,7 @@ fn train_with_bar(
     request: &twin_lab::learn::train::Request<'_>,
 ) -> anyhow::Result<twin_lab::learn::train::Outcome> {
     use twin_lab::learn::train::{Progress, train};
+    use twin_record::interruption;
     let (bar, mut words) = (bar(request.config), String::new());
     let mut observe = |progress: Progress| {
         let per_epoch = progress.steps.1 as u64;
@@ -255,7 +292,10 @@ fn train_with_bar(
             bar.set_position((progress.epoch as u64 - 1) * per_epoch + progress.steps.0 as u64);
             bar.set_message(format!("loss {:.4}  {words}", progress.loss));
         }
-        std::ops::ControlFlow::Continue(())
+        match interruption::requested() {
+            None => std::ops::ControlFlow::Continue(()),
+            Some(_) => std::ops::ControlFlow::Break(()),
+        }
     };
     let outcome = train(data, request, &mut observe)?;
     bar.finish_and_clear();
@@ -277,6 +317,9 @@ fn one(
         git: twin_record::program::commit(),
     };
     let outcome = train_with_bar(data, &request)?;
+    if !outcome.finished {
+        return Ok(interrupted(job, &outcome));
+    }
     let training = &outcome.head.training;
     let title = format!(
         "{}, {} parameters, seed {}, data {}",

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use twin_lab::evaluate::Sheet;
 use twin_lab::evaluate::sheet::figure;
+use twin_record::interruption;
 use twin_scenario::table::{Job, Line, condense, fly_all};
 
 use super::output::Output;
@@ -62,6 +63,7 @@ pub(super) fn run(args: &L1Args) -> anyhow::Result<End> {
         Ok(report) => eprintln!("{} {}: {}", outcome.row, report.scenario, report.verdict),
         Err(error) => eprintln!("{}: {error}", outcome.row),
     });
+    interruption::check()?;
     let lines = condense(&outcomes);
     let mut sheet = Sheet::new(["row", "scenario", "rms e8, m and rad", "ended"]);
     sheet.rows.extend(lines.iter().map(|line| cells(line).to_vec()));

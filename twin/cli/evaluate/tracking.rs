@@ -8,6 +8,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use twin_lab::evaluate::Sheet;
 use twin_lab::evaluate::paths::path;
 use twin_lab::evaluate::sheet::figure;
+use twin_record::interruption;
 use twin_scenario::cache::Cache;
 use twin_scenario::table::{COLUMNS, Job, Line, Outcome, PAPER, condense, fly_all};
 use twin_scenario::{Scenario, Verdict, side_by_side};
@@ -81,11 +82,12 @@ pub(super) fn run(args: &TrackingArgs) -> anyhow::Result<End> {
     );
     let outcomes = fly_all(&jobs, threads, cache.as_ref(), &|outcome| {
         bar.inc(1);
-        if let Some(trouble) = trouble(outcome) {
+        if let Some(trouble) = trouble(outcome).filter(|_| interruption::requested().is_none()) {
             bar.suspend(|| eprintln!("{trouble}"));
         }
     });
     bar.finish_and_clear();
+    interruption::check()?;
     let lines = condense(&outcomes);
     let (table, title) = if args.path_alone {
         ("tracking_path_alone", "Tracking of the paths alone, payload in hand")
