@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod circles;
+mod endings;
 mod fdt;
 mod flight;
 mod harness;
