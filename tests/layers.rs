@@ -52,6 +52,8 @@ const ONLY_IN: &[(&str, &[&str])] = &[
     ("clap", &["root"]),
     ("indicatif", &["root"]),
     ("anyhow", &["root"]),
+    ("signal-hook", &["root"]),
+    ("rustix", &["record"]),
 ];
 
 /// Features that the crate `core` must not use: files, clocks, threads, unseeded randomness.

@@ -3,6 +3,7 @@
 mod bad_input;
 mod circles;
 mod draws;
+mod endings;
 mod fdt;
 mod flight;
 mod harness;

@@ -1,4 +1,5 @@
-//! The command line of `twin`. Results go to stdout, messages to stderr. Exit code 0: passed, 1: failed, 2: unusable input.
+//! The command line of `twin`. Results go to stdout, messages to stderr. Exit code 0: passed, 1: failed, 2: unusable input,
+//! 128 + signal: interrupted.
 
 mod cli;
 

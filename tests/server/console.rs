@@ -212,7 +212,7 @@ impl Console {
 }
 
 /// Sends one HTTP request on a connection of its own; returns the status and the whole answer.
-pub(super) fn http(address: SocketAddr, request: &str, headers: &str, body: &str) -> (u16, String) {
+pub(crate) fn http(address: SocketAddr, request: &str, headers: &str, body: &str) -> (u16, String) {
     let host =
         if headers.contains("Host:") { String::new() } else { format!("Host: {address}\r\n") };
     let length = body.len();
@@ -229,7 +229,7 @@ pub(super) fn http(address: SocketAddr, request: &str, headers: &str, body: &str
 }
 
 /// The JSON body of a GET.
-pub(super) fn api(address: SocketAddr, path: &str) -> Value {
+pub(crate) fn api(address: SocketAddr, path: &str) -> Value {
     let (status, answer) = http(address, &format!("GET {path}"), "", "");
     assert_eq!(status, 200, "{answer}");
     serde_json::from_str(answer.split_once("\r\n\r\n").expect("a body").1).expect("JSON")

@@ -2,7 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail by panicking, as tests do")]
 
-mod console;
+pub(crate) mod console;
 mod flying;
 #[cfg(feature = "foxglove-ws")]
 mod foxglove;

@@ -27,7 +27,7 @@ pub(super) struct AcceptanceArgs {
     dry_run: bool,
     /// Print one JSON object.
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
     #[command(flatten)]
     overrides: Overrides,
 }

@@ -6,9 +6,12 @@ use std::path::PathBuf;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use twin_core::notation::{COORDINATE_NAMES, TICK_S};
+use twin_record::interruption::{self, Signal};
 use twin_record::output::{Outputs, make_folder, note};
-use twin_scenario::collect::{Collected, EXPECTED_STD, Flight, Plan, Spread, collect};
-use twin_scenario::side_by_side;
+use twin_scenario::collect::{
+    CollectError, Collected, EXPECTED_STD, Flight, Plan, Spread, collect,
+};
+use twin_scenario::{Verdict, side_by_side};
 
 use super::{End, Overrides, Overwrite, print};
 
@@ -34,7 +37,7 @@ pub(super) struct CollectArgs {
     scenarios: PathBuf,
     /// Print one JSON object instead of a table.
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
     #[command(flatten)]
     overwrite: Overwrite,
     #[command(flatten)]
@@ -70,7 +73,11 @@ pub(super) fn run(args: &CollectArgs) -> anyhow::Result<End> {
     }
     let threads =
         args.jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
-    let collected = fly(&flights, &outputs, threads, args.seconds)?;
+    let collected = fly(&flights, &outputs, threads, args.seconds);
+    if let Some(signal) = interruption::requested() {
+        return interrupted((args, &outputs), &flights, collected, signal);
+    }
+    let collected = collected.into_iter().collect::<Result<Vec<_>, _>>()?;
     let training: Vec<Spread> = collected
         .iter()
         .filter(|flight| flight.scenario.starts_with("collect_"))
@@ -95,12 +102,48 @@ pub(super) fn run(args: &CollectArgs) -> anyhow::Result<End> {
     Ok(if collected.iter().all(Collected::usable) { End::Passed } else { End::Failed })
 }
 
+/// Reports the flights that were begun before the signal; their recordings are finished. The table of all flights is not written.
+fn interrupted(
+    (args, outputs): (&CollectArgs, &Outputs),
+    flights: &[Flight],
+    collected: Vec<Result<Collected, CollectError>>,
+    signal: Signal,
+) -> anyhow::Result<End> {
+    let mut begun = Vec::new();
+    for flight in collected {
+        match flight {
+            Ok(flight) => begun.push(flight),
+            Err(CollectError::Interrupted(_)) => {}
+            Err(error) => return Err(error.into()),
+        }
+    }
+    for flight in &begun {
+        note(format_args!("{}: {}: {}", flight.file.display(), flight.verdict, flight.reason));
+    }
+    note(format_args!(
+        "{} of {} flights were not begun",
+        flights.len() - begun.len(),
+        flights.len()
+    ));
+    if args.json {
+        let found = serde_json::json!({
+            "table": "collect",
+            "verdict": Verdict::Interrupted,
+            "reason": signal.to_string(),
+            "flights": begun,
+            "not_begun": flights.len() - begun.len(),
+        });
+        print(outputs, |out| Ok(writeln!(out, "{found}")?))?;
+    }
+    Ok(End::Interrupted(signal))
+}
+
 fn fly(
     flights: &[Flight],
     outputs: &Outputs,
     threads: usize,
     seconds: f64,
-) -> anyhow::Result<Vec<Collected>> {
+) -> Vec<Result<Collected, CollectError>> {
     let ticks = (seconds / TICK_S) as u64 * flights.len() as u64;
     let bar = ProgressBar::new(ticks).with_style(
         ProgressStyle::with_template(
@@ -111,7 +154,7 @@ fn fly(
     let collected =
         side_by_side(flights, threads, &|flight| collect(flight, outputs, &|ticks| bar.inc(ticks)));
     bar.finish_and_clear();
-    Ok(collected.into_iter().collect::<Result<_, _>>()?)
+    collected
 }
 
 fn print_table(out: &mut dyn Write, collected: &[Collected], together: &Spread) -> io::Result<()> {

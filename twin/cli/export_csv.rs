@@ -10,7 +10,7 @@ use twin_core::tick::Tick;
 use twin_foreign::OpenedFlight;
 use twin_foreign::Shadow;
 use twin_record::output::note;
-use twin_record::read_recording;
+use twin_record::{interruption, read_recording};
 
 use super::{End, Overwrite};
 
@@ -67,6 +67,7 @@ fn write(args: &CsvArgs, out: &mut dyn Write) -> anyhow::Result<usize> {
     if opened.is_own() {
         let ticks = read_recording(&args.file)?.ticks;
         for tick in &ticks {
+            interruption::check()?;
             writeln!(out, "{}", line(tick))?;
         }
         return Ok(ticks.len());
@@ -74,6 +75,7 @@ fn write(args: &CsvArgs, out: &mut dyn Write) -> anyhow::Result<usize> {
     let shadow = Shadow::of(&opened);
     let mut flight = shadow.flight(0, shadow.tuning()).context("no tick to fly")?;
     for _ in 0..shadow.ticks() {
+        interruption::check()?;
         writeln!(out, "{}", line(&flight.tick()))?;
     }
     Ok(shadow.ticks())

@@ -9,9 +9,9 @@ use clap::Args;
 use twin_console::server::{ServeOptions, serve};
 use twin_core::quantity;
 use twin_record::output::note;
-use twin_record::{Outputs, Recorder, RecordingEnd};
+use twin_record::{Outputs, Recorder, RecordingEnd, RecordingStatus, interruption};
 use twin_scenario::run::event_lines;
-use twin_scenario::{Report, Scenario, fly};
+use twin_scenario::{Report, Scenario, Verdict, fly_until_signal};
 
 use super::{End, Overrides, Overwrite, default_scenario, print};
 
@@ -25,7 +25,7 @@ pub(super) struct FlyArgs {
     headless: bool,
     /// Print exactly one JSON object on stdout (with --headless).
     #[arg(long, requires = "headless")]
-    json: bool,
+    pub(super) json: bool,
     /// Seed instead of the scenario's.
     #[arg(long)]
     seed: Option<u64>,
@@ -92,7 +92,7 @@ pub(super) fn run(args: &FlyArgs) -> anyhow::Result<End> {
     let catalogue = catalogue(&file, &args.overrides.set);
     let outputs = args.overwrite.outputs();
     outputs.protect(catalogue.iter().map(|known| &known.file));
-    serve(ServeOptions {
+    let served = serve(ServeOptions {
         catalogue,
         scenario,
         host: args.host.clone(),
@@ -104,7 +104,7 @@ pub(super) fn run(args: &FlyArgs) -> anyhow::Result<End> {
         viewer_dir: args.viewer_dir.clone().or_else(super::viewers::default_folder),
         foxglove_port: args.foxglove_port,
     })?;
-    Ok(End::Passed)
+    Ok(if served.recordings_whole { End::Interrupted(served.signal) } else { End::Failed })
 }
 
 /// Usable scenarios in the folder of `file`, by name: a restart chooses from them.
@@ -132,48 +132,60 @@ fn headless(scenario: &Scenario, args: &FlyArgs) -> anyhow::Result<End> {
     let started = std::time::Instant::now();
     let outputs = args.overwrite.outputs();
     let mut recorder = record(scenario, args, &outputs)?;
-    let recording = recorder.as_ref().map(|recorder| recorder.path().to_owned());
-    let mut trouble = None;
-    let mut report = fly(scenario, &mut |tick| {
+    let mut report = fly_until_signal(scenario, &mut |tick| {
         if !args.json {
             event_lines(tick).for_each(|line| note(format_args!("{line}")));
         }
-        if let Some(recorder) = &mut recorder
-            && trouble.is_none()
-        {
-            trouble = recorder.record(Arc::new(tick.clone())).err();
+        if let Some(recorder) = &mut recorder {
+            // A recording that fails does not end the flight; its status tells below.
+            let _ = recorder.record(Arc::new(tick.clone()));
         }
     })
     .with_context(|| scenario.file.display().to_string())?;
-    if let Some(trouble) = trouble {
-        return Err(trouble.into());
-    }
-    if let Some(recorder) = recorder {
-        let end = RecordingEnd {
+    let recording = match recorder {
+        Some(recorder) => Some(recorder.close(RecordingEnd {
             state_hash: u64::from_str_radix(&report.state_hash, 16)?,
-            verdict: format!(
-                "{}: {}",
-                serde_json::to_value(report.verdict)?.as_str().unwrap_or_default(),
-                report.reason
-            ),
-        };
-        let written = recorder.finish(end)?;
-        note(format_args!("{} ticks recorded", written.ticks));
-    }
+            verdict: format!("{}: {}", report.verdict, report.reason),
+        })),
+        None => None,
+    };
     report.real_time_factor = Some(report.flight_s / started.elapsed().as_secs_f64().max(1e-9));
+    let is_recorded = recording.as_ref().is_none_or(told);
     print(&outputs, |out| {
         if args.json {
-            let mut value = serde_json::to_value(&report)?;
-            if let Some(path) = recording {
-                value["recording"] = path.display().to_string().into();
-            }
-            writeln!(out, "{value}")?;
+            let flown = Flown { report: &report, recording: recording.as_ref() };
+            writeln!(out, "{}", serde_json::to_string(&flown)?)?;
         } else {
             print_report(out, &report)?;
         }
         Ok(())
     })?;
-    Ok(if report.passed { End::Passed } else { End::Failed })
+    if !is_recorded {
+        return Ok(End::Failed);
+    }
+    Ok(match (interruption::requested(), report.passed) {
+        (Some(signal), _) if report.verdict == Verdict::Interrupted => End::Interrupted(signal),
+        (_, true) => End::Passed,
+        (_, false) => End::Failed,
+    })
+}
+
+/// What a flight and its recording came to, for `--json`.
+#[derive(serde::Serialize)]
+struct Flown<'a> {
+    #[serde(flatten)]
+    report: &'a Report,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    recording: Option<&'a RecordingStatus>,
+}
+
+/// Says how a recording went; returns whether it is whole.
+pub(super) fn told(recording: &RecordingStatus) -> bool {
+    match &recording.error {
+        None => note(format_args!("{} ticks recorded", recording.ticks)),
+        Some(error) => note(format_args!("error: {error}")),
+    }
+    recording.error.is_none()
 }
 
 /// Starts the recording that the flags ask for, and tells its name if it is another than they gave.
@@ -189,7 +201,8 @@ fn record(
     if let Some(renamed) = file.renamed() {
         note(renamed);
     }
-    Ok(Some(Recorder::start(file, &info)?))
+    let recorder = Recorder::start(file, &info)?;
+    Ok(Some(recorder.for_flight_of(scenario.settings.planned_s())))
 }
 
 fn print_report(out: &mut dyn Write, report: &Report) -> std::io::Result<()> {

@@ -9,6 +9,7 @@ use anyhow::Context;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use twin_console::server::{MirrorOptions, serve_mirror};
+use twin_core::notation::TICK_S;
 use twin_core::residual::PredictorInfo;
 use twin_core::tick::Tick;
 use twin_foreign::live::{From, is_address};
@@ -16,10 +17,12 @@ use twin_foreign::{Live, OpenedFlight, stand_in};
 use twin_foreign::{Shadow, ShadowReport};
 use twin_lab::evaluate::mirrored::FlightPicture;
 use twin_plant::model::Packages;
+use twin_record::interruption::{self, Signal};
 use twin_record::output::note;
-use twin_record::{Outputs, Recorder, RecordingEnd, RecordingInfo};
+use twin_record::{Outputs, Recorder, RecordingEnd, RecordingInfo, RecordingStatus};
+use twin_scenario::Verdict;
 
-use super::fly::{Speed, parse_speed};
+use super::fly::{Speed, parse_speed, told};
 use super::mirror_beside as beside;
 use super::{End, Overwrite, print};
 
@@ -39,7 +42,7 @@ pub(super) struct MirrorArgs {
     headless: bool,
     /// Print exactly one JSON object on stdout (with --headless).
     #[arg(long, requires = "headless")]
-    json: bool,
+    pub(super) json: bool,
     /// Record the flight with residuals and predictions as MCAP (with --headless). If the file exists, the recording goes to
     /// FILE-2.mcap, FILE-3.mcap, …
     #[arg(long, value_name = "FILE.mcap", requires = "headless")]
@@ -84,16 +87,16 @@ pub(super) struct MirrorArgs {
 pub(super) fn run(args: &MirrorArgs) -> anyhow::Result<End> {
     if let Some(from) = live(args)? {
         let (live, opened) = hear(&from, args)?;
-        serve_mirror(options(args, opened, Some(live)))?;
-        return Ok(End::Passed);
+        let served = serve_mirror(options(args, opened, Some(live)))?;
+        return Ok(End::Interrupted(served.signal));
     }
     let opened = open(args)?;
     for problem in &opened.survey.container.problems {
         note(format_args!("{}: {problem}", args.file.display()));
     }
     if !args.headless {
-        serve_mirror(options(args, opened, None))?;
-        return Ok(End::Passed);
+        let served = serve_mirror(options(args, opened, None))?;
+        return Ok(End::Interrupted(served.signal));
     }
     headless(args, &opened)
 }
@@ -110,10 +113,17 @@ fn headless(args: &MirrorArgs, opened: &OpenedFlight) -> anyhow::Result<End> {
     let plot = args.plot.as_ref().map(|plot| outputs.reserve(plot, "--plot")).transpose()?;
     let shadow = Shadow::of(opened);
     let twin = beside::twin(args.urdf.as_deref(), opened)?;
-    let mut recorder = record(args.record.as_deref(), opened, &shadow, &outputs)?;
-    let recording = recorder.as_ref().map(|recorder| recorder.path().to_owned());
+    let recorder = record(args.record.as_deref(), opened, &shadow, &outputs)?;
     let mut picture = plot.as_ref().map(|_| FlightPicture::new(opened.recorded.mass_kg));
-    let report = fly(opened, &shadow, recorder.take(), picture.as_mut())?;
+    let (report, recording) = fly(opened, &shadow, recorder, picture.as_mut())?;
+    let is_recorded = recording.as_ref().is_none_or(told);
+    if let Some(signal) = interruption::requested() {
+        if args.json {
+            let found = interrupted(opened, &report, recording.as_ref(), signal)?;
+            print(&outputs, |out| Ok(writeln!(out, "{found}")?))?;
+        }
+        return Ok(if is_recorded { End::Interrupted(signal) } else { End::Failed });
+    }
     if let (Some(output), Some(picture)) = (plot, &picture) {
         output.write(picture.svg(&opened.name()).as_bytes())?;
     }
@@ -122,8 +132,8 @@ fn headless(args: &MirrorArgs, opened: &OpenedFlight) -> anyhow::Result<End> {
         if args.json {
             let mut found = json(opened, &report);
             found["divergence"] = divergence.json();
-            if let Some(path) = recording {
-                found["recording"] = path.display().to_string().into();
+            if let Some(recording) = &recording {
+                found["recording"] = serde_json::to_value(recording)?;
             }
             writeln!(out, "{found}")?;
         } else {
@@ -132,7 +142,23 @@ fn headless(args: &MirrorArgs, opened: &OpenedFlight) -> anyhow::Result<End> {
         }
         Ok(())
     })?;
-    Ok(End::Passed)
+    Ok(if is_recorded { End::Passed } else { End::Failed })
+}
+
+/// The JSON object of a flight that a signal ended: how far it came.
+fn interrupted(
+    opened: &OpenedFlight,
+    report: &ShadowReport,
+    recording: Option<&RecordingStatus>,
+    signal: Signal,
+) -> anyhow::Result<serde_json::Value> {
+    let mut found = json(opened, report);
+    found["verdict"] = serde_json::to_value(Verdict::Interrupted)?;
+    found["reason"] = format!("{signal} at {:.2} s", report.flight_s).into();
+    if let Some(recording) = recording {
+        found["recording"] = serde_json::to_value(recording)?;
+    }
+    Ok(found)
 }
 
 /// Starts the recording at `path`, and tells its name if it is another.
@@ -147,7 +173,8 @@ fn record(
     if let Some(renamed) = file.renamed() {
         note(renamed);
     }
-    Ok(Some(Recorder::start(file, &recording_info(opened, shadow)?)?))
+    let recorder = Recorder::start(file, &recording_info(opened, shadow)?)?;
+    Ok(Some(recorder.for_flight_of(shadow.ticks() as f64 * TICK_S)))
 }
 
 fn options(args: &MirrorArgs, opened: OpenedFlight, live: Option<Live>) -> MirrorOptions {
@@ -188,6 +215,7 @@ fn hear(from: &From, args: &MirrorArgs) -> anyhow::Result<(Live, OpenedFlight)> 
             return Ok((live, opened));
         }
         live.news().iter().for_each(|text| note(format_args!("{text}")));
+        interruption::check()?;
         note(format_args!("{}: waiting for a pose", live.name()));
     }
 }
@@ -213,16 +241,14 @@ fn fly(
     shadow: &Shadow,
     mut recorder: Option<Recorder>,
     mut picture: Option<&mut FlightPicture>,
-) -> anyhow::Result<ShadowReport> {
-    let mut trouble = None;
+) -> anyhow::Result<(ShadowReport, Option<RecordingStatus>)> {
     let mut keep = |tick: &Tick| {
         if let Some(picture) = &mut picture {
             picture.add(tick);
         }
-        if let Some(recorder) = &mut recorder
-            && trouble.is_none()
-        {
-            trouble = recorder.record(Arc::new(tick.clone())).err();
+        if let Some(recorder) = &mut recorder {
+            // A recording that fails does not end the flight; its status tells.
+            let _ = recorder.record(Arc::new(tick.clone()));
         }
     };
     let report = shadow
@@ -231,16 +257,13 @@ fn fly(
     for text in shadow.playback().troubles() {
         note(format_args!("{}: {text}", opened.path.display()));
     }
-    if let Some(trouble) = trouble {
-        return Err(trouble.into());
-    }
-    if let Some(recorder) = recorder {
-        let state_hash = u64::from_str_radix(&report.state_hash, 16)?;
-        let verdict = "mirrored in shadow".to_owned();
-        let written = recorder.finish(RecordingEnd { state_hash, verdict })?;
-        note(format_args!("{} ticks recorded", written.ticks));
-    }
-    Ok(report)
+    let verdict = match interruption::requested() {
+        Some(signal) => format!("{}: {signal} at {:.2} s", Verdict::Interrupted, report.flight_s),
+        None => "mirrored in shadow".to_owned(),
+    };
+    let state_hash = u64::from_str_radix(&report.state_hash, 16)?;
+    let recording = recorder.map(|recorder| recorder.close(RecordingEnd { state_hash, verdict }));
+    Ok((report, recording))
 }
 
 fn recording_info(opened: &OpenedFlight, shadow: &Shadow) -> anyhow::Result<RecordingInfo> {

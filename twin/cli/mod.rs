@@ -1,5 +1,6 @@
 //! The commands and their flags.
 
+mod signals;
 mod viewers;
 mod fly;
 mod mirror_beside;
@@ -13,6 +14,7 @@ mod evaluate;
 mod train;
 mod collect;
 mod diff;
+mod recover;
 mod export_csv;
 mod export_html;
 mod export_viewers;
@@ -27,7 +29,9 @@ use std::process::ExitCode;
 use anyhow::Context;
 use clap::{Args, Parser, Subcommand};
 use twin_core::residual::weights::Weights;
+use twin_record::interruption::{self, Signal};
 use twin_record::output::{OutputError, Outputs, note};
+use twin_scenario::Verdict;
 
 /// Digital twin of an aerial manipulator: contacts, residual learning, adaptive control, live console.
 #[derive(Parser)]
@@ -53,6 +57,7 @@ const EXAMPLES: &str = "Examples:
   twin mirror flight.mcap --headless --json     a real flight through the loop in shadow
   twin export csv flight.mcap -o flight.csv     ticks, residuals and predictions as CSV; `-o -` is stdout
   twin info flight.mcap                         what a recording holds, and what is wrong with it
+  twin recover cut.mcap -o whole.mcap           everything readable of a damaged or unfinished recording
   twin check scenarios/*.toml urdf/*.urdf       are these files usable?
   twin train flights/*.mcap                     the residual's model from recorded flights
   twin viewers fetch                            the stock viewers, for /meshcat/ and /viser";
@@ -73,6 +78,8 @@ enum Command {
     Mirror(mirror::MirrorArgs),
     /// List the content of an MCAP file and its defects.
     Info(info::InfoArgs),
+    /// Salvage a recording that was cut off, never finished, or damaged: everything that can be read, as a finished file.
+    Recover(recover::RecoverArgs),
     /// Export a recording to another format.
     #[command(subcommand)]
     Export(Export),
@@ -126,6 +133,31 @@ enum End {
     Passed,
     Failed,
     Unusable,
+    /// A signal ended the command before its work was done; its files are finished.
+    Interrupted(Signal),
+}
+
+impl Command {
+    /// Whether the command may have files to finish when a signal arrives. Any other command ends at once, as the system does it.
+    fn writes(&self) -> bool {
+        !matches!(self, Self::Diff(_) | Self::Info(_) | Self::Check(_) | Self::Viewers(_))
+    }
+
+    /// Whether stdout is to hold one JSON object, also if a signal arrives before there is anything to report.
+    fn prints_json(&self) -> bool {
+        match self {
+            Self::Fly(args) => args.json,
+            Self::Collect(args) => args.json,
+            Self::Evaluate(args) => args.prints_json(),
+            Self::Test(args) => args.prints_json(),
+            Self::Mirror(args) => args.json,
+            Self::Train(args) => args.json,
+            Self::Recover(args) => args.json,
+            Self::Diff(_) | Self::Info(_) | Self::Check(_) | Self::Viewers(_) | Self::Export(_) => {
+                false
+            }
+        }
+    }
 }
 
 pub(crate) fn main() -> ExitCode {
@@ -137,31 +169,52 @@ pub(crate) fn main() -> ExitCode {
         .log_internal_errors(false)
         .with_env_filter(tracing_subscriber::EnvFilter::new("warn,twin=info"))
         .init();
-    let result = match cli.command {
-        Some(Command::Fly(args)) => fly::run(&args),
-        None => fly::run(&cli.fly),
-        Some(Command::Collect(args)) => collect::run(&args),
-        Some(Command::Evaluate(args)) => evaluate::run(&args),
-        Some(Command::Test(args)) => test::run_tests(&args),
-        Some(Command::Diff(args)) => diff::run(&args),
-        Some(Command::Mirror(args)) => mirror::run(&args),
-        Some(Command::Info(args)) => info::run(&args),
-        Some(Command::Export(Export::Html(args))) => export_html::run(&args),
-        Some(Command::Export(Export::Meshcat(args))) => export_viewers::meshcat(&args),
-        Some(Command::Export(Export::Viser(args))) => export_viewers::viser(&args),
-        Some(Command::Export(Export::Csv(args))) => export_csv::run(&args),
-        Some(Command::Check(args)) => check::run(&args),
-        Some(Command::Train(args)) => train::run(&args),
-        Some(Command::Viewers(args)) => viewers::run(&args),
-    };
-    match result {
+    let command = cli.command.unwrap_or(Command::Fly(cli.fly));
+    match run(&command) {
         Ok(End::Passed) => ExitCode::SUCCESS,
         Ok(End::Failed) => ExitCode::from(1),
         Ok(End::Unusable) => ExitCode::from(2),
+        Ok(End::Interrupted(signal)) => {
+            note(format_args!("interrupted by {signal}"));
+            ExitCode::from(signal.exit_code())
+        }
+        // A command that a signal stopped before it had anything to report.
+        Err(error) if let Some(signal) = interruption::requested() => {
+            note(format_args!("error: {}", sentence(&error)));
+            if command.prints_json() {
+                let found = serde_json::json!({ "verdict": Verdict::Interrupted, "reason": signal.to_string() });
+                // The signal decides the exit code, whether stdout takes the object or not.
+                let _ = print(&Outputs::default(), |out| Ok(writeln!(out, "{found}")?));
+            }
+            ExitCode::from(signal.exit_code())
+        }
         Err(error) => {
             note(format_args!("error: {}", sentence(&error)));
             ExitCode::from(if is_failed_write(&error) { 1 } else { 2 })
         }
+    }
+}
+
+fn run(command: &Command) -> anyhow::Result<End> {
+    if command.writes() {
+        signals::catch()?;
+    }
+    match command {
+        Command::Fly(args) => fly::run(args),
+        Command::Collect(args) => collect::run(args),
+        Command::Evaluate(args) => evaluate::run(args),
+        Command::Test(args) => test::run_tests(args),
+        Command::Diff(args) => diff::run(args),
+        Command::Mirror(args) => mirror::run(args),
+        Command::Info(args) => info::run(args),
+        Command::Export(Export::Html(args)) => export_html::run(args),
+        Command::Export(Export::Meshcat(args)) => export_viewers::meshcat(args),
+        Command::Export(Export::Viser(args)) => export_viewers::viser(args),
+        Command::Export(Export::Csv(args)) => export_csv::run(args),
+        Command::Recover(args) => recover::run(args),
+        Command::Check(args) => check::run(args),
+        Command::Train(args) => train::run(args),
+        Command::Viewers(args) => viewers::run(args),
     }
 }
 

@@ -6,6 +6,7 @@ use anyhow::Context;
 use clap::{Args, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 use twin_console::replay;
+use twin_record::interruption;
 use twin_record::output::{Output, Outputs, note};
 use twin_scenario::suite::{
     Evidence, Options, Plan, Selection, Shard, SuiteReport, junit, merge, page, plan, run,
@@ -111,6 +112,13 @@ impl Reports {
         };
         let (junit, html) = (place(&self.junit, "--junit")?, place(&self.html, "--html")?);
         Ok(Places { outputs, junit, html })
+    }
+}
+
+impl TestArgs {
+    /// Whether stdout is to hold one JSON object.
+    pub(super) fn prints_json(&self) -> bool {
+        self.fly.reports.json
     }
 }
 
@@ -223,7 +231,12 @@ fn hand_over(report: &SuiteReport, places: Places, json: bool, wall_s: f64) -> a
         }
         Ok(())
     })?;
+    if let (Some(_), Some(signal)) = (&report.verdict, interruption::requested()) {
+        return Ok(End::Interrupted(signal));
+    }
     Ok(match (report.could_not_run, report.failed) {
+        // A shard was interrupted: what is missing may have failed.
+        (0, 0) if report.verdict.is_some() => End::Failed,
         (0, 0) => End::Passed,
         (0, _) => End::Failed,
         _ => End::Unusable,

@@ -61,6 +61,9 @@ pub(super) fn print_table(
     for (name, Successes { passed, flown, interval_95: (low, high) }) in &report.shares {
         writeln!(out, "{name}: {passed} of {flown} passed, 95 % interval {low:.3} to {high:.3}")?;
     }
+    if let Some(verdict) = &report.verdict {
+        writeln!(out, "{verdict}: a signal stopped the run")?;
+    }
     let flown_s = report.flown_s();
     writeln!(
         out,

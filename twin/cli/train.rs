@@ -17,7 +17,7 @@ What it does: reads the flights, cuts them into windows of 1.2 s, and fits a mod
 0, 10 … 60 ms. The last 15 % of each flight are held back; training ends when the loss there stops falling. Ticks in contact
 are not learned from. The file that comes out flies: `twin fly --set predictor.kind=fdt --set predictor.weights=FILE`.
 
-A forecast of the mean has a loss of about 1; R² is about 1 minus the loss. Ctrl-C loses only the present epoch: resume with --resume.
+A forecast of the mean has a loss of about 1; R² is about 1 minus the loss. Ctrl+C loses only the present epoch: resume with --resume.
 The same data, settings and seed give the same file on one machine.
 
 Examples:
@@ -74,7 +74,7 @@ pub(super) struct TrainArgs {
     print_config: bool,
     /// Print exactly one JSON object on stdout.
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
     #[command(flatten)]
     overwrite: Overwrite,
 }
@@ -215,18 +215,52 @@ fn train(args: &TrainArgs, jobs: &[Job]) -> anyhow::Result<End> {
             data.left_out.join(", ")
         ));
     }
-    let jobs = jobs.iter().zip(curves);
-    let results =
-        jobs.map(|(job, curve)| one(args, &data, job, curve)).collect::<Result<Vec<_>, _>>()?;
+    let mut results = Vec::new();
+    for (job, curve) in jobs.iter().zip(curves) {
+        results.push(one(args, &data, job, curve)?);
+        if results.iter().any(|result| result["verdict"].is_string()) {
+            break;
+        }
+    }
+    let stopped = results.iter().any(|result| result["verdict"].is_string());
     if args.json {
-        let value = if args.all {
-            serde_json::json!({ "models": results })
-        } else {
-            results.into_iter().next().unwrap_or_default()
+        let value = match (args.all, stopped) {
+            (true, false) => serde_json::json!({ "models": results }),
+            (true, true) => {
+                serde_json::json!({ "verdict": twin_scenario::Verdict::Interrupted, "models": results })
+            }
+            (false, _) => results.into_iter().next().unwrap_or_default(),
         };
         print(&outputs, |out| Ok(writeln!(out, "{value}")?))?;
     }
-    Ok(End::Passed)
+    Ok(match twin_record::interruption::requested() {
+        Some(signal) if stopped => End::Interrupted(signal),
+        _ => End::Passed,
+    })
+}
+
+/// The figures of a training that a signal stopped. Its checkpoint holds the finished epochs; weights and picture are not written.
+#[cfg(feature = "train")]
+fn interrupted(job: &Job, outcome: &twin_lab::learn::train::Outcome) -> serde_json::Value {
+    let checkpoint = twin_lab::learn::checkpoint::path_for(&job.out);
+    let epochs = outcome.curve.len();
+    if epochs == 0 {
+        note(format_args!("{}: stopped before the first epoch was finished", job.out.display()));
+    } else {
+        note(format_args!(
+            "{}: stopped after {epochs} epochs; --resume goes on from {}",
+            job.out.display(),
+            checkpoint.display()
+        ));
+    }
+    serde_json::json!({
+        "verdict": twin_scenario::Verdict::Interrupted,
+        "out": job.out,
+        "checkpoint": (epochs > 0).then_some(checkpoint),
+        "model": outcome.head.model,
+        "epochs": epochs,
+        "curve": outcome.curve,
+    })
 }
 
 /// Refuses places that the files of a training cannot have, before it begins. Returns the place of the curve.
@@ -279,6 +313,7 @@ fn train_with_bar(
     request: &twin_lab::learn::train::Request<'_>,
 ) -> anyhow::Result<twin_lab::learn::train::Outcome> {
     use twin_lab::learn::train::{Progress, train};
+    use twin_record::interruption;
     let (bar, mut words) = (bar(request.config), String::new());
     let mut observe = |progress: Progress| {
         let per_epoch = progress.steps.1 as u64;
@@ -296,7 +331,10 @@ fn train_with_bar(
             bar.set_position((progress.epoch as u64 - 1) * per_epoch + progress.steps.0 as u64);
             bar.set_message(format!("loss {:.4}  {words}", progress.loss));
         }
-        std::ops::ControlFlow::Continue(())
+        match interruption::requested() {
+            None => std::ops::ControlFlow::Continue(()),
+            Some(_) => std::ops::ControlFlow::Break(()),
+        }
     };
     let outcome = train(data, request, &mut observe)?;
     bar.finish_and_clear();
@@ -321,6 +359,9 @@ fn one(
         git: twin_record::program::commit(),
     };
     let outcome = train_with_bar(data, &request)?;
+    if !outcome.finished {
+        return Ok(interrupted(job, &outcome));
+    }
     let training = &outcome.head.training;
     let title = format!(
         "{}, {} parameters, seed {}, data {}",

@@ -11,6 +11,7 @@ import { EventLog } from "./panels/events";
 import { startKeys } from "./panels/keys";
 import { MirrorBar } from "./panels/mirrorBar";
 import { notify } from "./panels/notices";
+import { RecordingBanner } from "./panels/recordingBanner";
 import { SceneView } from "./panels/sceneView";
 import { readPalette, startTheme } from "./panels/theme";
 import { TopBar } from "./panels/topbar";
@@ -36,6 +37,7 @@ const charts = new ChartColumn(store, world?.software ?? true);
 const log = new EventLog((event) => charts.showEvent(event));
 charts.onCursor = (tick) => log.mark(tick);
 const bar = new TopBar(store, link);
+const recordingBanner = new RecordingBanner();
 const cameras = cameraButtons(() => world);
 /** File of the mirrored recording on the screen; null if there is none. */
 let shownFile: string | null = null;
@@ -85,6 +87,7 @@ function message(received: ServerMessage): void {
       return hello(received);
     case "state":
       store.state = received;
+      recordingBanner.update(received.recording);
       world?.flow(received.phase === "flying");
       bench.show();
       return bar.show();
@@ -116,6 +119,7 @@ function hello(received: Extract<ServerMessage, { type: "hello" }>): void {
     return;
   }
   store.accept(received);
+  recordingBanner.update(received.state.recording);
   world?.rebuild(received);
   sceneView?.rebuild();
   charts.rebuild();

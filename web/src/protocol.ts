@@ -455,7 +455,11 @@ effects_off: Array<string>,
  * The twin that flew beside a mirrored recording until now; `null` if a simulated vehicle flies, and until the first tick after
  * a jump is flown.
  */
-twin: TwinInfo | null, };
+twin: TwinInfo | null, 
+/**
+ * How the newest recording stands; `null` if nothing is recorded.
+ */
+recording: RecordingStatus | null, };
 
 /**
  * How far the twin is from a mirrored flight, having started from it some time ago under the commands that were recorded.
@@ -560,6 +564,44 @@ text: string, };
  * How serious a notice is.
  */
 export type NoticeLevel = "info" | "warning" | "error";
+
+/**
+ * How a recording stands.
+ */
+export type RecordingStatus = { 
+/**
+ * Path of the file.
+ */
+file: string, 
+/**
+ * Whether it goes on.
+ */
+state: RecordingState, 
+/**
+ * Bytes written.
+ */
+bytes: number, 
+/**
+ * Ticks that are safe in the file.
+ */
+ticks: number, 
+/**
+ * Ticks that are not, and never will be in the file.
+ */
+dropped_ticks: number, 
+/**
+ * Why it failed, and what to do; one sentence.
+ */
+error: string | null, 
+/**
+ * Why it may fail before the flight ends; one sentence.
+ */
+warning: string | null, };
+
+/**
+ * Whether a recording goes on.
+ */
+export type RecordingState = "recording" | "finished" | "failed";
 
 /**
  * Everything there is to draw.

@@ -35,7 +35,7 @@ pub(super) struct AblationArgs {
     #[arg(long, default_value_t = 3)]
     seeds: u64,
     #[command(flatten)]
-    output: Output,
+    pub(super) output: Output,
     #[command(flatten)]
     overrides: Overrides,
 }

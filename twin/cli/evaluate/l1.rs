@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use twin_lab::evaluate::Sheet;
 use twin_lab::evaluate::sheet::figure;
+use twin_record::interruption;
 use twin_record::output::note;
 use twin_scenario::table::{Job, Line, condense, fly_all};
 
@@ -29,7 +30,7 @@ pub(super) struct L1Args {
     #[arg(long)]
     jobs: Option<usize>,
     #[command(flatten)]
-    output: Output,
+    pub(super) output: Output,
     #[command(flatten)]
     overrides: Overrides,
 }
@@ -64,6 +65,7 @@ pub(super) fn run(args: &L1Args) -> anyhow::Result<End> {
         Ok(report) => note(format_args!("{} {}: {}", outcome.row, report.scenario, report.verdict)),
         Err(error) => note(format_args!("{}: {error}", outcome.row)),
     });
+    interruption::check()?;
     let lines = condense(&outcomes);
     let mut sheet = Sheet::new(["row", "scenario", "rms e8, m and rad", "ended"]);
     sheet.rows.extend(lines.iter().map(|line| cells(line).to_vec()));

@@ -33,6 +33,20 @@ enum Table {
     Acceptance(super::acceptance::AcceptanceArgs),
 }
 
+impl EvaluateArgs {
+    /// Whether stdout is to hold one JSON object.
+    pub(super) fn prints_json(&self) -> bool {
+        match &self.table {
+            Table::Prediction(args) => args.output.json,
+            Table::Tracking(args) => args.output.json,
+            Table::Ablation(args) => args.output.json,
+            Table::Pickup(args) => args.output.json,
+            Table::L1(args) => args.output.json,
+            Table::Acceptance(args) => args.json,
+        }
+    }
+}
+
 pub(super) fn run(args: &EvaluateArgs) -> anyhow::Result<End> {
     match &args.table {
         Table::Prediction(args) => prediction::run(args),

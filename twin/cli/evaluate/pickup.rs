@@ -19,7 +19,7 @@ pub(super) struct PickupArgs {
     #[arg(long)]
     jobs: Option<usize>,
     #[command(flatten)]
-    output: Output,
+    pub(super) output: Output,
     #[command(flatten)]
     overrides: Overrides,
 }

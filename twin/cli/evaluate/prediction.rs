@@ -42,7 +42,7 @@ pub(super) struct PredictionArgs {
     #[arg(long, value_name = "FILE", default_value = "scenarios/test_300g.toml")]
     scenario: PathBuf,
     #[command(flatten)]
-    output: Output,
+    pub(super) output: Output,
     #[command(flatten)]
     overrides: Overrides,
 }

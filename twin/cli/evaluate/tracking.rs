@@ -9,6 +9,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use twin_lab::evaluate::Sheet;
 use twin_lab::evaluate::paths::path;
 use twin_lab::evaluate::sheet::figure;
+use twin_record::interruption;
 use twin_record::output::note;
 use twin_scenario::cache::Cache;
 use twin_scenario::table::{COLUMNS, Job, Line, Outcome, PAPER, condense, fly_all};
@@ -48,7 +49,7 @@ pub(super) struct TrackingArgs {
     #[arg(long, conflicts_with = "cache")]
     no_cache: bool,
     #[command(flatten)]
-    output: Output,
+    pub(super) output: Output,
     #[command(flatten)]
     overrides: Overrides,
 }
@@ -85,11 +86,12 @@ pub(super) fn run(args: &TrackingArgs) -> anyhow::Result<End> {
     );
     let outcomes = fly_all(&jobs, threads, cache.as_ref(), &|outcome| {
         bar.inc(1);
-        if let Some(trouble) = trouble(outcome) {
+        if let Some(trouble) = trouble(outcome).filter(|_| interruption::requested().is_none()) {
             bar.suspend(|| note(format_args!("{trouble}")));
         }
     });
     bar.finish_and_clear();
+    interruption::check()?;
     let lines = condense(&outcomes);
     let (table, title) = if args.path_alone {
         ("tracking_path_alone", "Tracking of the paths alone, payload in hand")

@@ -21,6 +21,7 @@ use twin_core::residual::{Predictor, RandomFeatures, label, lra};
 use twin_core::task::{Step, Task, View};
 use twin_core::tick::{Adaptation, Event, EventKind, GripperCommand, Reference, Setpoint, Tick};
 use twin_core::tuning::Tuning;
+use twin_record::interruption;
 
 /// Name of the predictor for people.
 pub const PREDICTOR: &str =
@@ -186,14 +187,16 @@ pub fn shadow(
 }
 
 impl Shadow {
-    /// Flies to the end; `None` if there is no tick.
+    /// Flies to the end, or until a signal asks the program to end; `None` if there is no tick.
     pub fn fly(&self, watch: &mut dyn FnMut(&Tick)) -> Option<ShadowReport> {
         let mut flight = self.flight(0, &self.tuning)?;
         let mut score = Score::new(self.scale);
         let (mut resets_s, mut fault_ticks) = (Vec::new(), 0);
         let (mut airborne_ticks, mut held_ticks) = (0, 0);
-        for _ in 0..self.ticks() {
+        let mut ticks = 0;
+        while ticks < self.ticks() && interruption::requested().is_none() {
             let tick = flight.tick();
+            ticks += 1;
             if tick.adapted.reset {
                 resets_s.push(tick.measurement.t_s);
             }
@@ -205,13 +208,13 @@ impl Shadow {
         }
         Some(ShadowReport {
             predictor: PREDICTOR,
-            ticks: self.ticks(),
-            flight_s: self.ticks() as f64 * TICK_S,
+            ticks,
+            flight_s: ticks as f64 * TICK_S,
             airborne_ticks,
             held_ticks,
             resets_s,
             fault_ticks,
-            scored: score.finish(self.ticks()),
+            scored: score.finish(ticks),
             state_hash: format!("{:016x}", flight.state_hash()),
         })
     }

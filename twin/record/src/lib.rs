@@ -4,9 +4,10 @@
 //! A recording is an MCAP file. Other programs can read it, because it uses Foxglove's schemas. The topics `/twin/measurement` and
 //! `/twin/tick` also hold every bit of the loop, so that a replay is exact.
 //!
-//! Without the feature `files` only the scene and the metadata remain; they compile for `wasm32-unknown-unknown`.
+//! Without the feature `files` only the scene, the metadata and the question for signals remain; they compile for `wasm32-unknown-unknown`.
 
 pub mod program;
+pub mod interruption;
 pub mod scene;
 mod recording_info;
 pub mod lossless;
@@ -16,10 +17,19 @@ pub mod output;
 pub mod recording;
 #[cfg(feature = "files")]
 pub mod views;
+mod recording_status;
+#[cfg(feature = "files")]
+mod progress;
+#[cfg(feature = "files")]
+mod watched_file;
+#[cfg(feature = "files")]
+mod space;
 #[cfg(feature = "files")]
 mod track;
 #[cfg(feature = "files")]
 pub mod recorder;
+#[cfg(feature = "files")]
+pub mod recover;
 pub mod fixture;
 
 #[cfg(feature = "files")]
@@ -29,3 +39,4 @@ pub use recorder::{Recorder, Written};
 #[cfg(feature = "files")]
 pub use recording::{Recording, RecordingError, read_recording, read_ticks};
 pub use recording_info::{MIRRORED, RecordingEnd, RecordingInfo};
+pub use recording_status::{RecordingState, RecordingStatus};

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use mcap::records::Record;
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
+use crate::interruption::{self, Interrupted};
 use crate::lossless;
 use crate::output::OutputError;
 use crate::recording_info::MIRRORED;
@@ -35,14 +36,29 @@ pub enum RecordingError {
     /// The file cannot be created.
     #[error(transparent)]
     Output(#[from] OutputError),
-    /// The file cannot be written.
-    #[error("{path}: cannot write the recording: {why}; choose another file with --record or free some space", path = path.display())]
-    Write {
+    /// The first bytes of the file cannot be written.
+    #[error("{path}: cannot begin the recording: {why}; choose another file with --record or free some space", path = path.display())]
+    Create {
         /// The file.
         path: PathBuf,
         /// The message of the operating system.
         why: String,
     },
+    /// The file cannot be written any more.
+    #[error("{path}: the recording failed: {why}; {ticks} ticks ({bytes} bytes) are in the file, and `twin recover` finishes it; free some space or record to another place", path = path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// Ticks that are safe in the file.
+        ticks: u64,
+        /// Bytes of the file.
+        bytes: u64,
+        /// The message of the operating system.
+        why: String,
+    },
+    /// A signal asked the program to end.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
     /// The file cannot be read.
     #[error("{path}: cannot read the recording: {source}", path = path.display())]
     Read {
@@ -80,8 +96,8 @@ pub enum RecordingError {
 }
 
 impl RecordingError {
-    pub(super) fn write(path: &Path, why: impl std::fmt::Display) -> Self {
-        Self::Write { path: path.to_owned(), why: why.to_string() }
+    pub(super) fn create(path: &Path, why: impl std::fmt::Display) -> Self {
+        Self::Create { path: path.to_owned(), why: why.to_string() }
     }
 }
 
@@ -171,6 +187,7 @@ impl Reader<'_> {
             .with_record_length_limit(LONGEST_RECORD_BYTES);
         let mut reader = LinearReader::new_with_options(options);
         while let Some(event) = reader.next_event() {
+            interruption::check().map_err(|signal| Stop::Error(signal.into()))?;
             match event? {
                 LinearReadEvent::ReadRequest(wanted) => {
                     let length = wanted.min(bytes.len());

@@ -1,9 +1,9 @@
 //! The layout of a recording: channels, schemas, attachments and metadata, in the order in which they are written.
 
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::BufWriter;
+use std::io::{BufWriter, Write};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use foxglove::Encode;
 use foxglove::messages::{FrameTransforms, JointStates, Log, SceneUpdate};
@@ -11,12 +11,14 @@ use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, WriteOptions, Writer};
 
 use crate::output::RecordingFile;
+use crate::progress::Progress;
 use crate::recording::{
     MEASUREMENT_TOPIC, METADATA_END, METADATA_START, RecordingError, TICK_TOPIC,
 };
 use crate::recording_info::{RecordingEnd, RecordingInfo};
 use crate::scene::Scene;
 use crate::views;
+use crate::watched_file::WatchedFile;
 use twin_core::tick::Tick;
 
 /// Period in ticks at which all bodies are drawn again, so that a viewer that seeks shows them within a second.
@@ -40,18 +42,27 @@ struct Channels {
 /// The MCAP file that is open for writing.
 pub(super) struct TrackWriter {
     path: PathBuf,
-    file: Writer<BufWriter<File>>,
+    file: Writer<BufWriter<WatchedFile>>,
     channels: Channels,
     scene: Scene,
     joint_names: Vec<String>,
     scratch: Vec<u8>,
     ticks: u64,
+    progress: Arc<Progress>,
 }
 
 impl TrackWriter {
-    pub(super) fn start(file: RecordingFile, info: &RecordingInfo) -> Result<Self, RecordingError> {
+    pub(super) fn start(
+        file: RecordingFile,
+        info: &RecordingInfo,
+        progress: Arc<Progress>,
+    ) -> Result<Self, RecordingError> {
         let (path, file) = file.into_parts();
-        let failed = |error: &dyn std::fmt::Display| RecordingError::write(&path, error);
+        let cause = Arc::clone(&progress);
+        let failed = |error: &dyn std::fmt::Display| {
+            RecordingError::create(&path, cause.cause().unwrap_or_else(|| error.to_string()))
+        };
+        let file = WatchedFile::new(file, Arc::clone(&progress));
         let mut file = WriteOptions::new()
             .profile("")
             .compression_threads(0)
@@ -90,6 +101,7 @@ impl TrackWriter {
             joint_names: info.joint_names.clone(),
             scratch: Vec::new(),
             ticks: 0,
+            progress,
         })
     }
 
@@ -112,7 +124,19 @@ impl TrackWriter {
     }
 
     pub(super) fn flush(&mut self) -> Result<(), RecordingError> {
-        self.file.flush().map_err(|error| RecordingError::write(&self.path, error))
+        self.file.flush().map_err(|error| self.failed(error))?;
+        self.progress.keep(self.ticks);
+        Ok(())
+    }
+
+    /// The error of a write, with its first cause.
+    fn failed(&self, error: impl std::fmt::Display) -> RecordingError {
+        RecordingError::Write {
+            path: self.path.clone(),
+            ticks: self.progress.safe_ticks(),
+            bytes: self.progress.bytes(),
+            why: self.progress.cause().unwrap_or_else(|| error.to_string()),
+        }
     }
 
     /// Closes the file and returns how many ticks it holds.
@@ -130,9 +154,17 @@ impl TrackWriter {
                     name: METADATA_END.to_owned(),
                     metadata: metadata.into(),
                 })
-                .map_err(|error| RecordingError::write(&self.path, error))?;
+                .map_err(|error| self.failed(error))?;
         }
-        self.file.finish().map_err(|error| RecordingError::write(&self.path, error))?;
+        self.file.finish().map_err(|error| self.failed(error))?;
+        // The writer leaves the last bytes to the buffer below it, which would lose their error.
+        self.file.into_inner().flush().map_err(|error| RecordingError::Write {
+            path: self.path,
+            ticks: self.progress.safe_ticks(),
+            bytes: self.progress.bytes(),
+            why: error.to_string(),
+        })?;
+        self.progress.keep(self.ticks);
         Ok(self.ticks)
     }
 
@@ -143,8 +175,7 @@ impl TrackWriter {
         record: &impl serde::Serialize,
     ) -> Result<(), RecordingError> {
         self.scratch.clear();
-        serde_json::to_writer(&mut self.scratch, record)
-            .map_err(|error| RecordingError::write(&self.path, error))?;
+        serde_json::to_writer(&mut self.scratch, record).map_err(|error| self.failed(error))?;
         self.write(channel, tick)
     }
 
@@ -155,9 +186,7 @@ impl TrackWriter {
         message: &M,
     ) -> Result<(), RecordingError> {
         self.scratch.clear();
-        message
-            .encode(&mut self.scratch)
-            .map_err(|error| RecordingError::write(&self.path, error))?;
+        message.encode(&mut self.scratch).map_err(|error| self.failed(error))?;
         self.write(channel, tick)
     }
 
@@ -170,13 +199,11 @@ impl TrackWriter {
             log_time: time_ns,
             publish_time: time_ns,
         };
-        self.file
-            .write_to_known_channel(&header, &self.scratch)
-            .map_err(|error| RecordingError::write(&self.path, error))
+        self.file.write_to_known_channel(&header, &self.scratch).map_err(|error| self.failed(error))
     }
 }
 
-fn add_channels(file: &mut Writer<BufWriter<File>>) -> mcap::McapResult<Channels> {
+fn add_channels(file: &mut Writer<BufWriter<WatchedFile>>) -> mcap::McapResult<Channels> {
     Ok(Channels {
         transforms: add_protobuf::<FrameTransforms>(file, "/tf")?,
         scene: add_protobuf::<SceneUpdate>(file, "/scene")?,
@@ -188,7 +215,7 @@ fn add_channels(file: &mut Writer<BufWriter<File>>) -> mcap::McapResult<Channels
 }
 
 fn add_protobuf<M: Encode>(
-    file: &mut Writer<BufWriter<File>>,
+    file: &mut Writer<BufWriter<WatchedFile>>,
     topic: &str,
 ) -> mcap::McapResult<u16> {
     let schema = match M::get_schema() {
@@ -199,7 +226,11 @@ fn add_protobuf<M: Encode>(
     file.add_channel(schema, topic, &M::get_message_encoding(), &BTreeMap::new())
 }
 
-fn add_json(file: &mut Writer<BufWriter<File>>, name: &str, topic: &str) -> mcap::McapResult<u16> {
+fn add_json(
+    file: &mut Writer<BufWriter<WatchedFile>>,
+    name: &str,
+    topic: &str,
+) -> mcap::McapResult<u16> {
     let schema = file.add_schema(name, "jsonschema", ANY_OBJECT.as_bytes())?;
     file.add_channel(schema, topic, "json", &BTreeMap::new())
 }

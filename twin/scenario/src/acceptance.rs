@@ -10,6 +10,7 @@ use twin_core::elementary::squared;
 use twin_core::notation::{Coords, N};
 use twin_core::residual::weights::{Acceptance, Weights, WeightsError};
 use twin_core::tick::Tick;
+use twin_record::interruption;
 
 /// Corner of the low-pass on the estimate, Hz.
 const BANDWIDTH_HZ: f64 = 2.0;
@@ -85,6 +86,7 @@ pub fn fly(
     let mut judge = Judge::new(&scenario.settings);
     let mut score = Score::default();
     loop {
+        interruption::check().map_err(BuildError::from)?;
         let tick = flight.tick();
         score.add(&tick);
         if let Some((verdict, reason)) = judge.watch(&tick) {

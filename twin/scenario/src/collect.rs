@@ -12,6 +12,7 @@ use sha2::{Digest, Sha256};
 use super::{BuildError, Scenario, ScenarioError, Verdict, run};
 use twin_core::notation::{Coords, N};
 use twin_core::tick::Tick;
+use twin_record::interruption::{self, Interrupted};
 use twin_record::{OutputError, Outputs, Recorder, RecordingEnd, RecordingError};
 
 /// Number of ticks between two reports of progress.
@@ -63,6 +64,9 @@ pub enum CollectError {
     /// The file of a recording cannot be created.
     #[error(transparent)]
     Output(#[from] OutputError),
+    /// A signal asked the program to end before the flight began.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
     /// A folder or file cannot be used.
     #[error("{}: {why}", .path.display())]
     File {
@@ -177,7 +181,7 @@ impl Plan {
     }
 }
 
-/// Flies and records `flight`; `progress` receives the number of ticks since its last call.
+/// Flies and records `flight`; one that a signal ends has a finished recording and the verdict `interrupted`. `progress` receives the number of ticks since its last call.
 ///
 /// # Errors
 /// [`CollectError`] if the flight cannot be built or the recording cannot be written.
@@ -186,6 +190,7 @@ pub fn collect(
     outputs: &Outputs,
     progress: &dyn Fn(u64),
 ) -> Result<Collected, CollectError> {
+    interruption::check()?;
     let Flight { scenario, file } = flight;
     let build = |why: BuildError| CollectError::Build {
         scenario: scenario.name.clone(),
@@ -193,22 +198,18 @@ pub fn collect(
     };
     let tuning = scenario.tuning().map_err(|why| build(why.into()))?;
     let info = scenario.recording_info(&tuning).map_err(build)?;
-    let mut recorder = Recorder::start(outputs.named_recording(file, "--out")?, &info)?;
-    let mut trouble = None;
+    let recorder = Recorder::start(outputs.named_recording(file, "--out")?, &info)?;
+    let mut recorder = recorder.for_flight_of(scenario.settings.planned_s());
     let mut watched = Watched::default();
-    let report = run::fly(scenario, &mut |tick| {
+    let report = run::fly_until_signal(scenario, &mut |tick| {
         watched.add(tick);
         if tick.index.is_multiple_of(PROGRESS_TICKS) {
             progress(PROGRESS_TICKS);
         }
-        if trouble.is_none() {
-            trouble = recorder.record(Arc::new(tick.clone())).err();
-        }
+        // The end of the recording tells whether it failed.
+        let _ = recorder.record(Arc::new(tick.clone()));
     })
     .map_err(build)?;
-    if let Some(trouble) = trouble {
-        return Err(trouble.into());
-    }
     let state_hash = u64::from_str_radix(&report.state_hash, 16).unwrap_or_default();
     let verdict = format!("{}: {}", report.verdict, report.reason);
     let written = recorder.finish(RecordingEnd { state_hash, verdict })?;

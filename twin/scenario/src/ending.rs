@@ -26,6 +26,9 @@ pub enum Verdict {
     GaveUp,
     /// A value became NaN or infinite.
     NonFinite,
+    /// A signal ended the program before the flight was over. No scenario can expect this.
+    #[serde(skip_deserializing)]
+    Interrupted,
 }
 
 impl std::fmt::Display for Verdict {
@@ -42,6 +45,7 @@ impl std::fmt::Display for Verdict {
             Self::FlewAway => "flew_away",
             Self::GaveUp => "gave_up",
             Self::NonFinite => "non_finite",
+            Self::Interrupted => "interrupted",
         })
     }
 }

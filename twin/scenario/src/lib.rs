@@ -40,7 +40,7 @@ pub use ending::Verdict;
 pub use file::ScenarioError;
 pub use json_schema::json_schema;
 pub use parallel::side_by_side;
-pub use run::{Assessor, Report, fly};
+pub use run::{Assessor, Report, fly, fly_until_signal};
 pub use scene::ActuatorLimits;
 pub use settings::Settings;
 pub use verdict::Judge;
@@ -284,4 +284,7 @@ pub enum BuildError {
         /// What is wrong and how to correct it.
         reason: String,
     },
+    /// A signal asked the program to end before the flight was over.
+    #[error(transparent)]
+    Interrupted(#[from] twin_record::interruption::Interrupted),
 }

@@ -11,6 +11,7 @@ use super::settings::{Settings, TaskKind};
 use super::{BuildError, Judge, Scenario, Verdict, demands};
 use twin_core::residual::PredictorInfo;
 use twin_core::tick::{Event, Tick};
+use twin_record::interruption::{self, Interrupted};
 
 /// The result of a flight.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -50,19 +51,41 @@ fn numbers<'de, D: serde::Deserializer<'de>>(from: D) -> Result<BTreeMap<String,
 /// Flies `scenario` to its end; `watch` receives every tick.
 ///
 /// # Errors
-/// [`BuildError`] if the flight cannot be assembled.
+/// [`BuildError`] if the flight cannot be assembled, or if a signal asks the program to end before the flight is over.
 pub fn fly(scenario: &Scenario, watch: &mut dyn FnMut(&Tick)) -> Result<Report, BuildError> {
+    let report = fly_until_signal(scenario, watch)?;
+    if report.verdict == Verdict::Interrupted {
+        interruption::check()?;
+    }
+    Ok(report)
+}
+
+/// Flies `scenario` to its end, or until a signal asks the program to end; such a flight has the verdict
+/// [`Verdict::Interrupted`]. `watch` receives every tick.
+///
+/// # Errors
+/// [`BuildError`] if the flight cannot be assembled.
+pub fn fly_until_signal(
+    scenario: &Scenario,
+    watch: &mut dyn FnMut(&Tick),
+) -> Result<Report, BuildError> {
     let mut flight = scenario.build()?;
     let mut assessor = Assessor::new(scenario);
     loop {
         let tick = flight.tick();
-        let end = assessor.add(&tick);
+        let end = assessor.add(&tick).or_else(|| interrupted(&tick));
         watch(&tick);
         if let Some(end) = end {
             let kernel = flight.predictor().info().kernel;
             return Ok(Report { kernel, ..assessor.finish(end, flight.state_hash()) });
         }
     }
+}
+
+/// The verdict on a flight that a signal ended at `tick`; `None` if there was no signal.
+fn interrupted(tick: &Tick) -> Option<(Verdict, String)> {
+    let Interrupted(signal) = interruption::check().err()?;
+    Some((Verdict::Interrupted, format!("{signal} at {:.2} s", tick.measurement.t_s)))
 }
 
 /// Assesses a flight tick by tick and reports the result at its end.

@@ -352,6 +352,14 @@ pub struct Expect {
 }
 
 impl Settings {
+    /// Longest time that the flight may take, s.
+    pub fn planned_s(&self) -> f64 {
+        match self.task.kind {
+            TaskKind::Hover | TaskKind::Excitation => self.task.duration_s.min(self.time_limit_s),
+            TaskKind::PickPlace | TaskKind::Path => self.time_limit_s,
+        }
+    }
+
     /// The settings of the plant.
     pub fn plant(&self) -> PlantSettings {
         PlantSettings {

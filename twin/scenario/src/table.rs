@@ -8,6 +8,7 @@ use serde::Serialize;
 use super::cache::Cache;
 use super::{Report, Scenario, ScenarioError, Verdict, run, side_by_side};
 use twin_core::elementary::squared;
+use twin_record::interruption;
 
 /// One flight of the table.
 #[derive(Clone, Debug)]
@@ -30,7 +31,7 @@ pub struct Outcome {
 }
 
 /// Flies all jobs on `threads` threads; `done` is called as each ends. The outcomes have the order of the jobs, whatever the
-/// number of threads.
+/// number of threads. After a signal no flight begins or goes on; the outcomes of those flights are no outcomes of their scenarios.
 pub fn fly_all(
     jobs: &[Job],
     threads: usize,
@@ -45,6 +46,7 @@ pub fn fly_all(
 }
 
 fn fly_job(job: &Job, cache: Option<&Cache>) -> Result<Report, String> {
+    interruption::check().map_err(|signal| signal.to_string())?;
     let scenario =
         Scenario::load(&job.file, &job.overrides).map_err(|e: ScenarioError| e.to_string())?;
     if let Some(report) = cache.and_then(|cache| cache.find(&scenario)) {

@@ -23,7 +23,7 @@ use twin_core::residual::{HORIZON, PredictorInfo};
 use twin_core::tick::Tick;
 use twin_core::tuning::Tuning;
 use twin_record::scene::Scene;
-use twin_record::{Recording, RecordingError, read_recording};
+use twin_record::{Recording, RecordingError, interruption, read_recording};
 use twin_scenario::file::read_recorded;
 use twin_scenario::{ActuatorLimits, Assessor, DEFAULTS, Report, Scenario, Settings};
 
@@ -90,9 +90,11 @@ struct Head {
 /// the flight again, but not against a golden run, because a recording contains none.
 ///
 /// # Errors
-/// [`ReplayError`] if the recording is not usable.
+/// [`ReplayError`] if the recording is not usable, or a signal asks the program to end.
 pub fn export(from: &Path, report: Option<&Report>) -> Result<(String, f64), ReplayError> {
-    page(&read_recording(from)?, report)
+    let page = page(&read_recording(from)?, report)?;
+    interruption::check().map_err(RecordingError::from)?;
+    Ok(page)
 }
 
 /// The page of a flight, and the time at which it opens, s: the first failure, or the start if nothing failed.
@@ -225,6 +227,7 @@ fn hello(
         wind_m_s: settings.wind.velocity_m_s,
         effects_off: Vec::new(),
         twin: None,
+        recording: None,
     };
     Hello {
         protocol: PROTOCOL_VERSION,

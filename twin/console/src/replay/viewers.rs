@@ -10,7 +10,7 @@ use base64::engine::general_purpose::STANDARD;
 use super::{ReplayError, fill, json_part};
 use crate::server::viewers::{MESHCAT, VISER, Wheel, export};
 use twin_record::scene::Scene;
-use twin_record::{Recording, read_recording};
+use twin_record::{Recording, RecordingError, interruption, read_recording};
 
 /// Level of zstd. A flight is written once, so a small file matters more than a fast compression.
 const COMPRESSION_LEVEL: i32 = 9;
@@ -38,6 +38,7 @@ pub fn export_meshcat(from: &Path, viewers: Option<&Path>) -> Result<String, Rep
     let viewer = viewer_file(MESHCAT, "main.min.js", viewers)?;
     let recording = read_recording(from)?;
     let commands = export::meshcat(&scene(&recording)?, &recording.ticks);
+    interruption::check().map_err(RecordingError::from)?;
     let commands: Vec<String> =
         commands.iter().map(|bytes| format!("\"{}\"", STANDARD.encode(bytes))).collect();
     let title = recording.metadata.get("scenario").map_or("flight", String::as_str);
@@ -63,6 +64,7 @@ pub fn export_viser(
     let client = is_page.then(|| viewer_file(VISER, "index.html", viewers)).transpose()?;
     let recording = read_recording(from)?;
     let inner = export::viser(&scene(&recording)?, &recording.ticks);
+    interruption::check().map_err(RecordingError::from)?;
     let mut bytes = (inner.len() as u64).to_le_bytes().to_vec();
     bytes.extend(zstd::bulk::compress(&inner, COMPRESSION_LEVEL)?);
     let Some(client) = client else { return Ok(bytes) };

@@ -137,15 +137,16 @@ fn find(path: &str) -> Option<Response> {
 
 async fn health(State(app): State<Arc<App>>) -> Response {
     let flying = app.hub.is_flying();
-    let stages = app.hub.published().state.stages;
+    let state = app.hub.published().state;
     let cost_ms: BTreeMap<String, f64> =
-        stages.into_iter().map(|stage| (stage.name, stage.ms)).collect();
+        state.stages.into_iter().map(|stage| (stage.name, stage.ms)).collect();
     let body = json!({
         "status": if flying { "ok" } else { "flight stopped" },
         "version": program::VERSION,
         "git": program::commit(),
         "uptime_s": app.uptime_s(),
         "mean_ms_per_tick": cost_ms,
+        "recording": state.recording,
     });
     let status = if flying { StatusCode::OK } else { StatusCode::SERVICE_UNAVAILABLE };
     (status, Json(body)).into_response()

@@ -1,9 +1,10 @@
-//! `/metrics` in the text format of Prometheus: the timing of the flight and the number of connected clients.
+//! `/metrics` in the text format of Prometheus: the timing of the flight, the number of connected clients, and the recording.
 
 use std::fmt::Write as _;
 
 use crate::server::pace::{EDGES_MS, Lateness};
 use crate::server::published::Published;
+use twin_record::RecordingState;
 
 /// The text of `/metrics`; `uptime_s` is the time since the server started, s.
 pub(super) fn text(published: &Published, uptime_s: f64) -> String {
@@ -24,6 +25,22 @@ pub(super) fn text(published: &Published, uptime_s: f64) -> String {
     let stage = |(name, ms): (&str, f64)| (format!("{{stage=\"{name}\"}}"), ms / 1e3);
     let stages: Vec<_> = state.stages.iter().map(|s| stage((&s.name, s.ms))).collect();
     line("gauge", "stage_seconds", "Mean time of a stage of a tick.", &stages);
+    if let Some(recording) = &state.recording {
+        let states = [
+            ("recording", RecordingState::Recording),
+            ("finished", RecordingState::Finished),
+            ("failed", RecordingState::Failed),
+        ];
+        let states = states.map(|(name, state)| {
+            (format!("{{state=\"{name}\"}}"), f64::from(u8::from(recording.state == state)))
+        });
+        line("gauge", "recording_state", "1 for the state of the newest recording.", &states);
+        let (bytes, ticks) = (one(recording.bytes as f64), one(recording.ticks as f64));
+        line("gauge", "recording_bytes", "Bytes of the newest recording.", &bytes);
+        line("gauge", "recording_ticks", "Ticks that are safe in the newest recording.", &ticks);
+        let dropped = one(recording.dropped_ticks as f64);
+        line("gauge", "recording_dropped_ticks", "Ticks that the newest recording lost.", &dropped);
+    }
     histogram(&mut text, &published.lateness);
     text
 }

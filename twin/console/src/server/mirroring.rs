@@ -8,7 +8,7 @@ use crate::server::flight_recorder::FlightRecorder;
 use crate::server::listen::{Beside, ListenOptions};
 use crate::server::mirrored::Mirrored;
 use crate::server::pilot::{FirstFlight, PilotOptions};
-use crate::server::running::{Running, watch};
+use crate::server::running::{Running, Served, watch};
 use crate::server::{ServerError, launch};
 use twin_foreign::{Live, OpenedFlight};
 use twin_record::Outputs;
@@ -35,12 +35,12 @@ pub struct MirrorOptions {
     pub foxglove_port: Option<u16>,
 }
 
-/// Serves a recording until Ctrl+C.
+/// Serves a recording until a signal asks the program to end.
 ///
 /// # Errors
 /// [`ServerError`] if the server cannot start.
-pub fn serve_mirror(options: MirrorOptions) -> Result<(), ServerError> {
-    watch(spawn_mirror(options)?)
+pub fn serve_mirror(options: MirrorOptions) -> Result<Served, ServerError> {
+    Ok(watch(spawn_mirror(options)?))
 }
 
 /// Serves a recording in the background.

@@ -39,7 +39,7 @@ mod mirroring;
 mod typescript;
 
 pub use mirroring::{MirrorOptions, serve_mirror, spawn_mirror};
-pub use running::Running;
+pub use running::{Running, Served};
 
 use std::collections::BTreeMap;
 use std::net::{IpAddr, SocketAddr};
@@ -161,12 +161,12 @@ impl App {
     }
 }
 
-/// Serves a flight until Ctrl+C.
+/// Serves a flight until a signal asks the program to end.
 ///
 /// # Errors
 /// [`ServerError`] if the server cannot start.
-pub fn serve(options: ServeOptions) -> Result<(), ServerError> {
-    running::watch(spawn(options)?)
+pub fn serve(options: ServeOptions) -> Result<Served, ServerError> {
+    Ok(running::watch(spawn(options)?))
 }
 
 /// Serves a flight in the background.
@@ -262,7 +262,7 @@ fn take_off(
     orders: PilotOptions,
     inbox: Receiver<Request>,
     landing: Arc<AtomicBool>,
-) -> Result<(Arc<Hub>, JoinHandle<()>), ServerError> {
+) -> Result<(Arc<Hub>, JoinHandle<bool>), ServerError> {
     let (ready, published) = sync_channel(1);
     let flight = std::thread::Builder::new().name("flight".to_owned()).spawn(move || {
         let (pilot, told) = match Pilot::new(orders) {
@@ -272,8 +272,9 @@ fn take_off(
             }
             Err(error) => (None, ready.send(Err(error))),
         };
-        if let (Some(pilot), Ok(())) = (pilot, told) {
-            pilot.fly(&inbox, &landing);
+        match (pilot, told) {
+            (Some(pilot), Ok(())) => pilot.fly(&inbox, &landing),
+            _ => true,
         }
     })?;
     let hub = published.recv().map_err(|_| ServerError::NoFlight)??;

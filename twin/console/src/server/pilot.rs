@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use crate::server::ServerError;
 use crate::server::command::{Command, Request};
-use crate::server::flight_recorder::FlightRecorder;
+use crate::server::flight_recorder::{FlightRecorder, News};
 use crate::server::gains::Change;
 use crate::server::hub::Hub;
 use crate::server::mirrored::Mirrored;
@@ -18,8 +18,8 @@ use crate::server::pace::{Lateness, Meter, Pace, STAGES, now};
 use crate::server::protocol::{EventInfo, NoticeLevel, ScenarioInfo, ServerMessage, StageCost};
 use crate::server::served_flight::{ServedFlight, word};
 use twin_core::tick::{EventKind, Tick};
-use twin_record::RecordingEnd;
-use twin_scenario::Scenario;
+use twin_record::{RecordingEnd, interruption};
+use twin_scenario::{Scenario, Verdict};
 
 /// The state is published at least this often, and the thread looks at its requests at least this often.
 const STATE_PERIOD: Duration = Duration::from_millis(400);
@@ -119,8 +119,8 @@ impl Pilot {
         Arc::clone(&self.hub)
     }
 
-    /// Flies until `stop` is set or all senders of requests are dropped.
-    pub(super) fn fly(mut self, requests: &Receiver<Request>, stop: &AtomicBool) {
+    /// Flies until `stop` is set or all senders of requests are dropped. Returns whether every recording is whole.
+    pub(super) fn fly(mut self, requests: &Receiver<Request>, stop: &AtomicBool) -> bool {
         self.pace = Pace::new(self.pace.speed(), now());
         while !stop.load(Ordering::Relaxed) {
             match requests.recv_timeout(self.patience()) {
@@ -147,7 +147,18 @@ impl Pilot {
                 self.publish_state();
             }
         }
-        self.end_recording("");
+        self.end_recording(&self.landing());
+        let news = self.flight_recorder.close();
+        self.publish_news(news);
+        !self.flight_recorder.has_failed()
+    }
+
+    /// The verdict of a recording that ends before its flight: the signal that ended the program, or nothing.
+    fn landing(&self) -> String {
+        let signal = interruption::requested();
+        signal.map_or_else(String::new, |signal| {
+            format!("{}: {signal} at {:.2} s", Verdict::Interrupted, self.served.t_s)
+        })
     }
 
     /// Flies all ticks before the target of a seek. The hub wakes the clients only after the last of them.
@@ -192,8 +203,9 @@ impl Pilot {
         self.served.follow(&tick);
         self.served.settle_gains();
         self.steps = self.steps.saturating_sub(1);
-        if let Err(error) = self.flight_recorder.tick(&tick) {
-            self.alarm(&error.to_string());
+        if let Some(failure) = self.flight_recorder.tick(&tick) {
+            self.alarm(&format!("{failure}; the flight goes on"));
+            self.state_due = now();
         }
         self.hub.tick(&tick, || self.served.draw(&tick));
         self.publish_events(&tick);
@@ -331,12 +343,15 @@ impl Pilot {
 
     fn publish_state(&mut self) {
         self.served.unreadable().iter().for_each(|text| self.alarm(text));
+        let news = self.flight_recorder.news();
+        self.publish_news(news);
         let start = now();
         let reading = self.meter.read(start);
         self.hub.publish(|published| {
             self.served.describe(&mut published.state, self.pace.speed(), self.paused);
             published.state.real_time_factor = reading.real_time_factor;
             published.lateness = self.lateness;
+            published.state.recording = self.flight_recorder.status();
             published.state.stages = STAGES
                 .into_iter()
                 .zip(reading.cost_ms)
@@ -352,7 +367,8 @@ impl Pilot {
         if self.flight_recorder.is_wanted() {
             let info = self.served.scenario.recording_info(self.served.flight.tuning())?;
             let inputs = self.served.scenario.input_files();
-            if let Some(said) = self.flight_recorder.begin(&info, &inputs)? {
+            let planned_s = self.served.scenario.settings.planned_s();
+            if let Some(said) = self.flight_recorder.begin(&info, &inputs, planned_s)? {
                 tracing::warn!("{said}");
                 self.hub.notice(None, NoticeLevel::Info, &said);
             }
@@ -361,17 +377,21 @@ impl Pilot {
     }
 
     fn end_recording(&mut self, verdict: &str) {
-        let end = RecordingEnd {
+        self.flight_recorder.end(RecordingEnd {
             state_hash: self.served.flight.state_hash(),
             verdict: verdict.to_owned(),
-        };
-        match self.flight_recorder.end(end) {
-            Ok(Some(said)) => {
-                tracing::info!("{said}");
-                self.hub.notice(None, NoticeLevel::Info, &said);
+        });
+    }
+
+    fn publish_news(&self, news: Vec<News>) {
+        for news in news {
+            match news {
+                News::Finished(said) => {
+                    tracing::info!("{said}");
+                    self.hub.notice(None, NoticeLevel::Info, &said);
+                }
+                News::Failed(error) => self.alarm(&error),
             }
-            Ok(None) => {}
-            Err(error) => self.alarm(&error.to_string()),
         }
     }
 

@@ -7,6 +7,7 @@ pub use crate::server::quantity_info::QuantityInfo;
 pub use crate::server::twin_info::{TwinAxis, TwinInfo};
 use twin_core::source::Disturbance;
 use twin_core::tick::EventKind;
+use twin_record::RecordingStatus;
 use twin_record::scene::Scene;
 
 /// Version of messages and telemetry; a client of another version asks its user to reload.
@@ -328,6 +329,8 @@ pub struct StateInfo {
     /// The twin that flew beside a mirrored recording until now; `null` if a simulated vehicle flies, and until the first tick after
     /// a jump is flown.
     pub twin: Option<Box<TwinInfo>>,
+    /// How the newest recording stands; `null` if nothing is recorded.
+    pub recording: Option<RecordingStatus>,
 }
 
 /// What one stage of a tick costs.

@@ -12,9 +12,22 @@ use tokio::sync::oneshot;
 use crate::server::hub::Hub;
 use crate::server::listen::Beside;
 use crate::server::{App, ServerError, foxglove};
+use twin_record::interruption::{self, Signal};
+
+/// Period at which the program looks for a signal.
+const LOOK: Duration = Duration::from_millis(20);
 
 /// Connections get this long to close.
 const SHUTDOWN_TIMEOUT: Duration = Duration::from_secs(1);
+
+/// How a served flight ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Served {
+    /// The signal that ended it.
+    pub signal: Signal,
+    /// False if a recording failed.
+    pub recordings_whole: bool,
+}
 
 /// A running server. It stops when it is dropped.
 pub struct Running {
@@ -23,15 +36,12 @@ pub struct Running {
     pub(super) hub: Arc<Hub>,
     pub(super) landing: Arc<AtomicBool>,
     pub(super) shutdown: Option<oneshot::Sender<()>>,
-    pub(super) flight: Option<JoinHandle<()>>,
+    pub(super) flight: Option<JoinHandle<bool>>,
     pub(super) runtime: Option<Runtime>,
 }
 
-/// Logs the addresses of the server and waits for Ctrl+C.
-///
-/// # Errors
-/// [`ServerError::System`] if signals cannot be received.
-pub(super) fn watch(running: Running) -> Result<(), ServerError> {
+/// Logs the addresses of the server and serves until a signal asks the program to end.
+pub(super) fn watch(running: Running) -> Served {
     tracing::info!("console on http://{}", running.address());
     if let Some(address) = running.foxglove_address() {
         tracing::info!("Foxglove on ws://{address}");
@@ -63,16 +73,16 @@ impl Running {
         Ok(())
     }
 
-    /// Waits for Ctrl+C or SIGTERM, then stops.
-    ///
-    /// # Errors
-    /// [`ServerError::System`] if signals cannot be received.
-    pub fn wait(self) -> Result<(), ServerError> {
-        if let Some(runtime) = &self.runtime {
-            runtime.block_on(signal())?;
-        }
-        self.stop();
-        Ok(())
+    /// Waits for a signal that asks the program to end, then stops.
+    pub fn wait(mut self) -> Served {
+        let signal = loop {
+            if let Some(signal) = interruption::requested() {
+                break signal;
+            }
+            std::thread::sleep(LOOK);
+        };
+        let recordings_whole = self.shut_down();
+        Served { signal, recordings_whole }
     }
 
     /// Ends the flight, its recording and every connection.
@@ -80,12 +90,16 @@ impl Running {
         self.shut_down();
     }
 
-    fn shut_down(&mut self) {
+    /// Returns whether every recording is whole.
+    fn shut_down(&mut self) -> bool {
         self.landing.store(true, Ordering::Relaxed);
         self.hub.close_all("the server stops");
-        if self.flight.take().is_some_and(|flight| flight.join().is_err()) {
-            tracing::error!("the flight thread failed; its message is above");
-        }
+        let recordings_whole = self.flight.take().is_none_or(|flight| {
+            flight.join().unwrap_or_else(|_| {
+                tracing::error!("the flight thread failed; its message is above");
+                false
+            })
+        });
         if let (Some((_, farewell)), Some(runtime)) = (self.foxglove.take(), &self.runtime) {
             // After the time-out the runtime stops and drops messages that are not sent.
             let _ =
@@ -98,6 +112,7 @@ impl Running {
         if let Some(runtime) = self.runtime.take() {
             runtime.shutdown_timeout(SHUTDOWN_TIMEOUT);
         }
+        recordings_whole
     }
 }
 
@@ -105,19 +120,4 @@ impl Drop for Running {
     fn drop(&mut self) {
         self.shut_down();
     }
-}
-
-#[cfg(unix)]
-async fn signal() -> std::io::Result<()> {
-    use tokio::signal::unix::{SignalKind, signal};
-    let mut terminate = signal(SignalKind::terminate())?;
-    tokio::select! {
-        pressed = tokio::signal::ctrl_c() => pressed,
-        _ = terminate.recv() => Ok(()),
-    }
-}
-
-#[cfg(not(unix))]
-async fn signal() -> std::io::Result<()> {
-    tokio::signal::ctrl_c().await
 }

@@ -149,6 +149,7 @@ impl ServedFlight {
             wind_m_s: [0.0; 3],
             effects_off: Vec::new(),
             twin: None,
+            recording: None,
         };
         self.describe(&mut state, speed, paused);
         Published {

@@ -41,6 +41,8 @@ fn text() -> String {
         declaration::<p::EventInfo>(c),
         declaration::<p::Notice>(c),
         declaration::<p::NoticeLevel>(c),
+        declaration::<twin_record::RecordingStatus>(c),
+        declaration::<twin_record::RecordingState>(c),
         declaration::<s::Scene>(c),
         declaration::<s::SceneBody>(c),
         declaration::<s::ScenePose>(c),

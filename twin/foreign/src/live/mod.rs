@@ -17,6 +17,7 @@ use std::time::Duration;
 
 use super::opened::{OpenError, OpenedFlight, choose_map};
 use shared::{Shared, wall};
+use twin_record::interruption;
 
 /// Period at which waiting threads check again.
 const LOOK: Duration = Duration::from_millis(20);
@@ -69,10 +70,10 @@ impl Live {
         parts::opened(&self.shared)
     }
 
-    /// Waits for a flight for at most `patience`.
+    /// Waits for a flight for at most `patience`, or until a signal asks the program to end.
     pub fn wait(&self, patience: Duration) -> Option<OpenedFlight> {
         let start = wall();
-        while start.elapsed() < patience {
+        while start.elapsed() < patience && interruption::requested().is_none() {
             if self.shared.is_ripe()
                 && let Some(opened) = self.opened()
             {

@@ -22,7 +22,7 @@ pub fn xml(report: &SuiteReport) -> Result<String, SerializeError> {
     let mut document = Document::new("twin");
     document.set_time(seconds(report.cases.iter().map(|result| result.wall_s).sum()));
     let alone = report.cases.iter().filter(|result| result.case.sample.is_none());
-    document.add_test_suites(alone.map(suite));
+    document.add_test_suites(alone.map(|result| suite(result, report.why_not_run())));
     document.add_test_suites(report.sweeps.iter().map(|sweep| sweep_suite(sweep, report)));
     for suite in &mut document.test_suites {
         suite.add_property(("version", report.version.as_str()));
@@ -40,8 +40,8 @@ fn seconds(wall_s: f64) -> Duration {
     Duration::try_from_secs_f64(wall_s).unwrap_or_default()
 }
 
-fn suite(result: &CaseResult) -> TestSuite {
-    let mut case = TestCase::new(result.case.name.as_str(), status(result));
+fn suite(result: &CaseResult, why_not_run: &str) -> TestSuite {
+    let mut case = TestCase::new(result.case.name.as_str(), status(result, why_not_run));
     case.set_classname(class_name(&result.case.file));
     case.set_time(seconds(result.wall_s));
     let mut suite = TestSuite::new(result.case.name.as_str());
@@ -68,11 +68,11 @@ fn properties(report: &Report) -> Vec<Property> {
     all
 }
 
-fn status(result: &CaseResult) -> TestCaseStatus {
+fn status(result: &CaseResult, why_not_run: &str) -> TestCaseStatus {
     let (kind, word, message) = match &result.outcome {
         Outcome::NotRun => {
             let mut status = TestCaseStatus::skipped();
-            status.set_message("the run was stopped at the first failure");
+            status.set_message(why_not_run);
             return status;
         }
         Outcome::Flown(report) if report.passed => return TestCaseStatus::success(),

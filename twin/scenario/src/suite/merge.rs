@@ -67,6 +67,7 @@ pub fn merge(shards: Vec<(String, SuiteReport)>) -> Result<SuiteReport, MergeErr
     let (_, first) = shards.first().ok_or(MergeError::Nothing)?;
     let (version, git, total) = (first.version.clone(), first.git.clone(), first.total);
     let plans: Vec<_> = first.sweeps.iter().map(|sweep| sweep.plan.clone()).collect();
+    let verdict = shards.iter().find_map(|(_, report)| report.verdict.clone());
     let mut found: Vec<Option<_>> = std::iter::repeat_with(|| None).take(total).collect();
     for (file, report) in shards {
         if (&report.version, &report.git) != (&version, &git) {
@@ -96,5 +97,5 @@ pub fn merge(shards: Vec<(String, SuiteReport)>) -> Result<SuiteReport, MergeErr
     }
     let mut cases: Vec<_> = found.into_iter().flatten().collect();
     compare_repeats(&mut cases);
-    Ok(SuiteReport::of(version, git, None, total, &plans, cases))
+    Ok(SuiteReport { verdict, ..SuiteReport::of(version, git, None, total, &plans, cases) })
 }

@@ -47,10 +47,15 @@ fn tally(page: &mut String, report: &SuiteReport, wall_s: f64) {
     ] {
         let _ = write!(page, "<span class=\"{class}\"><b>{count}</b>{word}</span>");
     }
+    page.push_str("</p>");
+    if report.verdict.is_some() {
+        let why = report.why_not_run();
+        let _ = write!(page, "<p class=\"ERROR\">{why}: {} not run</p>", report.not_run);
+    }
     let flown_s = report.flown_s();
     let _ = write!(
         page,
-        "</p><p>{flown_s:.0} s flown in {wall_s:.0} s, {:.1} × real time; twin {} {}{}</p>",
+        "<p>{flown_s:.0} s flown in {wall_s:.0} s, {:.1} × real time; twin {} {}{}</p>",
         flown_s / wall_s.max(1e-9),
         report.version,
         report.git,

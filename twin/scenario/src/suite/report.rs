@@ -21,6 +21,9 @@ pub struct SuiteReport {
     pub version: String,
     /// Commit of the program.
     pub git: String,
+    /// `interrupted` if a signal stopped the run before all cases were flown.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub verdict: Option<String>,
     /// The shard, if this is a part of a run.
     pub shard: Option<Shard>,
     /// Number of flights of all shards.
@@ -73,6 +76,7 @@ impl SuiteReport {
         let mut report = Self {
             version,
             git,
+            verdict: None,
             shard,
             total,
             passed: 0,
@@ -104,6 +108,15 @@ impl SuiteReport {
         self.failed = count(Some(Ok(false)));
         self.could_not_run = count(Some(Err(())));
         self.not_run = count(None);
+    }
+
+    /// Why cases were not run, in a sentence.
+    pub(super) fn why_not_run(&self) -> &'static str {
+        if self.verdict.is_some() {
+            "the run was interrupted by a signal"
+        } else {
+            "the run was stopped at the first failure"
+        }
     }
 
     /// The samples of a sweep.

@@ -12,8 +12,8 @@ use super::plan::Plan;
 use super::record;
 use super::report::SuiteReport;
 use super::result::{CaseResult, Outcome};
-use crate::{Report, Scenario, Violation, fly};
-use twin_record::Outputs;
+use crate::{Report, Scenario, Verdict, Violation, fly};
+use twin_record::{Outputs, interruption};
 
 /// Options of a run.
 #[derive(Clone, Debug, Default)]
@@ -43,7 +43,7 @@ pub struct Evidence {
 /// at which it opens, or the reason why there is no page.
 pub type MakePage = fn(&Path, &Report) -> Result<(String, f64), String>;
 
-/// Flies the cases of `plan`; `done` receives each result as its flight ends. The report has the order of the cases.
+/// Flies the cases of `plan` until a signal asks the program to end; the cases that it cuts off are not run. `done` receives each result as its flight ends. The report has the order of the cases.
 pub fn run(plan: &Plan, options: &Options, done: &(dyn Fn(&CaseResult) + Sync)) -> SuiteReport {
     let cases = &plan.cases;
     let next = AtomicUsize::new(0);
@@ -57,11 +57,15 @@ pub fn run(plan: &Plan, options: &Options, done: &(dyn Fn(&CaseResult) + Sync)) 
                 loop {
                     let index = next.fetch_add(1, Ordering::Relaxed);
                     let Some(case) = cases.get(index) else { return };
-                    let result = if stop.load(Ordering::Relaxed) {
+                    let stopped =
+                        stop.load(Ordering::Relaxed) || interruption::requested().is_some();
+                    let result = if stopped {
                         not_run(case)
                     } else {
                         let result = fly_case(case, options);
-                        done(&result);
+                        if !matches!(result.outcome, Outcome::NotRun) {
+                            done(&result);
+                        }
                         result
                     };
                     if options.fail_fast && !result.passed() && case.sample.is_none() {
@@ -79,7 +83,12 @@ pub fn run(plan: &Plan, options: &Options, done: &(dyn Fn(&CaseResult) + Sync)) 
     results.sort_by_key(|(index, _)| *index);
     let mut results: Vec<CaseResult> = results.into_iter().map(|(_, result)| result).collect();
     compare_repeats(&mut results);
-    SuiteReport::new(plan, results)
+    let cut_off = results.iter().any(|result| matches!(result.outcome, Outcome::NotRun));
+    let mut report = SuiteReport::new(plan, results);
+    if cut_off && interruption::requested().is_some() {
+        report.verdict = Some(Verdict::Interrupted.to_string());
+    }
+    report
 }
 
 fn not_run(case: &Case) -> CaseResult {
@@ -107,6 +116,8 @@ fn fly_case(case: &Case, options: &Options) -> CaseResult {
     let mut result = CaseResult { wall_s: started.elapsed().as_secs_f64(), ..not_run(case) };
     let (scenario, mut report) = match flown {
         Ok(Ok(flown)) => flown,
+        // The flight was cut off by a signal: it has no result.
+        Ok(Err(_)) if interruption::requested().is_some() => return result,
         Ok(Err(why)) => {
             result.outcome = Outcome::Unusable(why);
             return result;
