@@ -11,6 +11,9 @@ use twin_scenario::Preset;
 pub(super) const EFFECTS: [&str; 5] =
     ["rotor_drag", "body_drag", "ground_effect", "downwash", "wind"];
 
+/// The answer to a command that finds no room in the queue.
+pub(super) const BUSY: &str = "the flight is busy; nothing was changed, try again";
+
 /// A command that the flight executes between two ticks.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Command {
