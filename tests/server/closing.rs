@@ -1,10 +1,8 @@
 //! Each breach of the protocol is answered with the close code that RFC 6455 gives it, on every path and on the port for Foxglove.
 
-use std::net::SocketAddr;
-
 use super::console::{Console, options, serve};
-use super::raw::{FOXGLOVE, KINDS, Raw, masked, refused};
-use twin_console::server::{Running, spawn};
+use super::raw::{Door, KINDS, Raw, doors, masked, refused};
+use twin_console::server::spawn;
 
 /// Breaches with their close code and the reason in `/metrics`.
 fn breaches() -> Vec<(&'static str, Vec<u8>, u16, &'static str)> {
@@ -22,27 +20,17 @@ fn breaches() -> Vec<(&'static str, Vec<u8>, u16, &'static str)> {
     ]
 }
 
-/// The places where a WebSocket may be opened: address, path and headers.
-fn doors(
-    running: &Running,
-) -> Vec<(SocketAddr, &'static str, &'static [(&'static str, &'static str)])> {
-    let console = running.address();
-    let mut doors: Vec<_> = KINDS.map(|(path, headers)| (console, path, headers)).into();
-    doors.extend(running.foxglove_address().map(|address| (address, "/", FOXGLOVE)));
-    doors
-}
-
 #[test]
 fn every_breach_is_answered_with_its_code_and_counted() {
     let mut with_foxglove = options();
     with_foxglove.foxglove_port = cfg!(feature = "foxglove-ws").then_some(0);
     let running = spawn(with_foxglove).expect("free ports");
-    let doors = doors(&running);
     let mut counted = std::collections::BTreeMap::new();
-    for &(address, path, headers) in &doors {
+    for door in doors(&running) {
         for (what, bytes, code, reason) in breaches() {
-            let mut client = Raw::connect(address, path, headers);
+            let mut client = Raw::enter(&door);
             client.write(&bytes);
+            let Door { address, path, .. } = door;
             assert_eq!(client.close_code(), Some(code), "{what} at {address}{path}");
             *counted.entry(reason).or_insert(0.0) += 1.0;
         }

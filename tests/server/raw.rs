@@ -5,6 +5,7 @@ use std::io::{ErrorKind, Read, Write};
 use std::net::{SocketAddr, TcpStream};
 
 use crate::patience::{PATIENCE, Patience};
+use twin_console::server::Running;
 
 /// Opcode of a close frame, RFC 6455 section 5.2.
 const CLOSE: u8 = 0x8;
@@ -69,7 +70,27 @@ pub(super) const KINDS: [(&str, &[(&str, &str)]); 3] =
 /// The sub-protocol of a Foxglove client.
 pub(super) const FOXGLOVE: &[(&str, &str)] = &[("Sec-WebSocket-Protocol", "foxglove.sdk.v1")];
 
+/// A place where a WebSocket may be opened.
+pub(super) struct Door {
+    pub address: SocketAddr,
+    pub path: &'static str,
+    pub headers: &'static [(&'static str, &'static str)],
+}
+
+/// Every kind of client of a server, Foxglove's too if its port is open.
+pub(super) fn doors(running: &Running) -> Vec<Door> {
+    let address = running.address();
+    let mut doors: Vec<Door> = KINDS.map(|(path, headers)| Door { address, path, headers }).into();
+    let foxglove = running.foxglove_address();
+    doors.extend(foxglove.map(|address| Door { address, path: "/", headers: FOXGLOVE }));
+    doors
+}
+
 impl Raw {
+    pub(super) fn enter(door: &Door) -> Self {
+        Self::connect(door.address, door.path, door.headers)
+    }
+
     pub(super) fn connect(address: SocketAddr, path: &str, headers: &[(&str, &str)]) -> Self {
         Self { stream: upgrade(address, path, headers).expect(path), read: Vec::new() }
     }
@@ -80,7 +101,7 @@ impl Raw {
     }
 
     fn need(&mut self, bytes: usize) -> bool {
-        let mut buffer = [0; 65536];
+        let mut buffer = [0; 8192];
         while self.read.len() < bytes {
             match self.stream.read(&mut buffer) {
                 Ok(0) => return false,

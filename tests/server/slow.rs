@@ -6,7 +6,7 @@ use std::net::TcpStream;
 use std::time::Duration;
 
 use super::console::{Console, http, options};
-use super::raw::{FOXGLOVE, KINDS, Raw, refused};
+use super::raw::{Raw, doors, refused};
 use crate::patience::{PATIENCE, until};
 use twin_console::server::{Limits, Running, spawn};
 
@@ -88,15 +88,13 @@ fn a_reader_that_takes_no_answer_ends() {
 #[test]
 fn a_socket_that_answers_no_ping_is_closed_on_every_path() {
     let running = serve(Limits { silent: 2 * SOON, ..PATIENT });
-    let address = running.address();
-    let mut doors: Vec<_> = KINDS.map(|(path, headers)| (address, path, headers)).into();
-    doors.extend(running.foxglove_address().map(|address| (address, "/", FOXGLOVE)));
-    for &(address, path, headers) in &doors {
+    let doors = doors(&running);
+    for door in &doors {
         // It reads everything, but it answers nothing.
-        let mut mute = Raw::connect(address, path, headers);
-        assert_eq!(mute.close_code(), Some(1008), "{address}{path}");
+        let mut mute = Raw::enter(door);
+        assert_eq!(mute.close_code(), Some(1008), "{}{}", door.address, door.path);
     }
-    assert!((refused(address, "silent") - doors.len() as f64).abs() < 0.5);
+    assert!((refused(running.address(), "silent") - doors.len() as f64).abs() < 0.5);
 }
 
 #[test]
