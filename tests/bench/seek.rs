@@ -29,7 +29,7 @@ use std::time::{Duration, Instant};
 use console::{Arrival, Console};
 use mcap::records::MessageHeader;
 use rand::{RngExt, SeedableRng};
-use twin_console::server::{MirrorOptions, spawn_mirror};
+use twin_console::server::{Limits, MirrorOptions, spawn_mirror};
 use twin_core::notation::TICK_S;
 use twin_core::tick::Tick;
 use twin_foreign::OpenedFlight;
@@ -155,6 +155,8 @@ fn measure(file: &Path) {
         start_paused: false,
         viewer_dir: None,
         foxglove_port: None,
+        foxglove_origins: Vec::new(),
+        limits: Limits::STANDARD,
     })
     .unwrap();
     let mut console = Console::connect(running.address());

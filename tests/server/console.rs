@@ -9,7 +9,7 @@ use tungstenite::client::IntoClientRequest;
 use tungstenite::{Message, WebSocket};
 
 use crate::patience::{PATIENCE, Patience};
-use twin_console::server::{Running, ServeOptions, spawn};
+use twin_console::server::{Limits, Running, ServeOptions, spawn};
 use twin_scenario::Scenario;
 
 /// The scenario `name` with `overrides`.
@@ -37,6 +37,8 @@ pub(super) fn options() -> ServeOptions {
         outputs: twin_record::Outputs::default(),
         viewer_dir: None,
         foxglove_port: None,
+        foxglove_origins: Vec::new(),
+        limits: Limits::STANDARD,
     }
 }
 

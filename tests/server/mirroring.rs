@@ -5,7 +5,7 @@ use serde_json::Value;
 
 use super::console::{Arrival, Console, Frame, http};
 use crate::mirror::made::{Form, PLAIN, file, flight};
-use twin_console::server::{MirrorOptions, Running, spawn_mirror};
+use twin_console::server::{Limits, MirrorOptions, Running, spawn_mirror};
 use twin_foreign::OpenedFlight;
 
 fn mirror(name: &str, form: Form, start_paused: bool) -> Running {
@@ -36,6 +36,8 @@ pub(super) fn mirror_file(
         start_paused,
         viewer_dir: None,
         foxglove_port,
+        foxglove_origins: Vec::new(),
+        limits: Limits::STANDARD,
     })
     .expect("a free port")
 }

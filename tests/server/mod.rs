@@ -2,7 +2,11 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail by panicking, as tests do")]
 
+mod bursts;
+mod closing;
 pub(crate) mod console;
+mod crowded;
+mod descriptors;
 mod flying;
 #[cfg(feature = "foxglove-ws")]
 mod foxglove;
@@ -15,7 +19,9 @@ mod foxglove_playback;
 mod mirroring;
 mod misuse;
 mod operating;
+mod raw;
 mod serving;
+mod slow;
 #[cfg(feature = "foxglove-ws")]
 mod streaming;
 mod viewers;

@@ -5,7 +5,7 @@ use serde_json::Value;
 
 use super::console::{Arrival, Console, options};
 use crate::patience::{PATIENCE, Patience};
-use twin_console::server::{MirrorOptions, Running, ServeOptions, spawn, spawn_mirror};
+use twin_console::server::{Limits, MirrorOptions, Running, ServeOptions, spawn, spawn_mirror};
 use twin_foreign::live::{From, Live};
 
 fn source(port: u16) -> Running {
@@ -74,6 +74,8 @@ fn a_twin_mirrors_another_and_goes_on_after_the_stream_was_lost() {
         start_paused: false,
         viewer_dir: None,
         foxglove_port: None,
+        foxglove_origins: Vec::new(),
+        limits: Limits::STANDARD,
     })
     .expect("a free port");
     let mut watch = Watch::new(&running);

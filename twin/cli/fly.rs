@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use anyhow::Context;
 use clap::Args;
-use twin_console::server::{ServeOptions, serve};
+use twin_console::server::{AppOrigin, Limits, ServeOptions, serve};
 use twin_core::quantity;
 use twin_record::output::note;
 use twin_record::{Outputs, Recorder, RecordingEnd, RecordingStatus, interruption};
@@ -51,9 +51,13 @@ pub(super) struct FlyArgs {
     /// Fly trained weights that were not accepted in closed loop (`predictor.force`).
     #[arg(long)]
     force_weights: bool,
-    /// Serve Foxglove on this port too (8765 is its default); any page in the browser can then watch and set gains.
+    /// Serve Foxglove on this port too (8765 is its default), for watching and for setting gains. Foxglove, Lichtblick, their desktop
+    /// programs, pages of this machine, and programs may connect.
     #[arg(long, value_name = "PORT", conflicts_with = "headless")]
     foxglove_port: Option<u16>,
+    /// Another page that may use the port for Foxglove, such as your own Lichtblick; may be given more than once.
+    #[arg(long, value_name = "https://HOST[:PORT]", requires = "foxglove_port")]
+    foxglove_origin: Vec<AppOrigin>,
     #[command(flatten)]
     overwrite: Overwrite,
     #[command(flatten)]
@@ -103,6 +107,8 @@ pub(super) fn run(args: &FlyArgs) -> anyhow::Result<End> {
         outputs,
         viewer_dir: args.viewer_dir.clone().or_else(super::viewers::default_folder),
         foxglove_port: args.foxglove_port,
+        foxglove_origins: args.foxglove_origin.clone(),
+        limits: Limits::STANDARD,
     })?;
     Ok(if served.recordings_whole { End::Interrupted(served.signal) } else { End::Failed })
 }

@@ -8,7 +8,7 @@ use std::time::Duration;
 use anyhow::Context;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
-use twin_console::server::{MirrorOptions, serve_mirror};
+use twin_console::server::{AppOrigin, Limits, MirrorOptions, serve_mirror};
 use twin_core::notation::TICK_S;
 use twin_core::residual::PredictorInfo;
 use twin_core::tick::Tick;
@@ -77,9 +77,13 @@ pub(super) struct MirrorArgs {
     /// Folder of the stock viewers [default: where `twin viewers fetch` puts them].
     #[arg(long, value_name = "DIR", conflicts_with = "headless")]
     viewer_dir: Option<PathBuf>,
-    /// Serve Foxglove on this port too (8765 is its default); any page in the browser can then watch, pause and seek.
+    /// Serve Foxglove on this port too (8765 is its default), for watching, pausing and seeking. Foxglove, Lichtblick, their desktop
+    /// programs, pages of this machine, and programs may connect.
     #[arg(long, value_name = "PORT", conflicts_with = "headless")]
     foxglove_port: Option<u16>,
+    /// Another page that may use the port for Foxglove, such as your own Lichtblick; may be given more than once.
+    #[arg(long, value_name = "https://HOST[:PORT]", requires = "foxglove_port")]
+    foxglove_origin: Vec<AppOrigin>,
     #[command(flatten)]
     overwrite: Overwrite,
 }
@@ -189,6 +193,8 @@ fn options(args: &MirrorArgs, opened: OpenedFlight, live: Option<Live>) -> Mirro
         start_paused: args.start_paused,
         viewer_dir: args.viewer_dir.clone().or_else(super::viewers::default_folder),
         foxglove_port: args.foxglove_port,
+        foxglove_origins: args.foxglove_origin.clone(),
+        limits: Limits::STANDARD,
     }
 }
 

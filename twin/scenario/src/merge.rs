@@ -232,7 +232,7 @@ fn check_values(entry: &Entry, path: &mut Vec<String>) -> Result<(), Finding> {
             }
             return Ok(());
         }
-        Node::Whole(value) => *value as f64,
+        Node::Whole(value) => quantity::whole(i128::from(*value)),
         Node::Number(value) => *value,
         Node::Switch(_) | Node::Text(_) | Node::Date(_) => return Ok(()),
     };

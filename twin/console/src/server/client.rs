@@ -3,31 +3,21 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::TrySendError;
 use std::time::Duration;
 
-use axum::body::Bytes;
-use axum::extract::ws::{CloseFrame, Message as Frame, WebSocket, WebSocketUpgrade};
-use axum::http::HeaderMap;
-use axum::http::header::ORIGIN;
 use axum::response::Response;
 use futures_util::stream::{SplitSink, SplitStream};
 use futures_util::{SinkExt, StreamExt};
 use tokio::sync::Notify;
+use tokio_tungstenite::tungstenite::Bytes;
+pub(super) use tokio_tungstenite::tungstenite::Message as Frame;
 
 use crate::server::App;
-use crate::server::command::{self, Request};
+use crate::server::admission::refusals::Refusal;
 use crate::server::hub::Client;
-use crate::server::mirrored;
 use crate::server::outbox::{CloseReason, Message, OutboxContent, SharedMessage};
 use crate::server::protocol::{ClientMessage, NoticeLevel, ServerMessage};
-use crate::server::rate::{Admission, MESSAGES_PER_S, TokenBucket};
-
-/// Longest message a client may send, bytes.
-pub(super) const LONGEST_MESSAGE: usize = 64 * 1024;
-
-/// Size of each connection's read buffer, bytes. It is small because clients send short messages.
-const READ_BUFFER: usize = 8 * 1024;
+use crate::server::socket::{LINGER, Upgrade, WebSocket, code, linger, say_farewell, try_later};
 
 /// Most rows in a frame. A connection never frees the memory that its largest frame took, so frames are kept small.
 const PART_ROWS: usize = 128;
@@ -39,11 +29,8 @@ const GAP: Duration = Duration::from_millis(5);
 /// get no more batches per second than fifty clients do.
 const SHARE: Duration = Duration::from_micros(100);
 
-/// The server closes a connection whose client accepts no data for this long.
-const SEND_TIMEOUT: Duration = Duration::from_secs(20);
-
-/// The server waits this long for a client to receive the reason why its connection closes.
-const LINGER: Duration = Duration::from_secs(2);
+/// Content of a ping that asks whether the client is alive. The ping that follows a batch is empty.
+const ALIVE: &[u8] = b"alive";
 
 /// The protocol of one kind of client; the reading and the writing task share it.
 pub(super) trait Dialect: Send + Sync + 'static {
@@ -67,9 +54,9 @@ pub(super) enum ReceiverKind {
 }
 
 impl ReceiverKind {
-    /// A browser sends the header `Origin` with the page that opens the socket; a program sends none.
-    pub(super) fn of(headers: &HeaderMap) -> Self {
-        if headers.contains_key(ORIGIN) { Self::Page } else { Self::Program }
+    /// A browser names the page that opens the socket; a program names none.
+    pub(super) fn of(upgrade: &Upgrade) -> Self {
+        if upgrade.visitor.origin.is_some() { Self::Page } else { Self::Program }
     }
 
     /// The least time between two batches while `clients` clients are connected. A program that `answers` each batch sets the pace
@@ -101,12 +88,17 @@ impl Dialect for Console {
     fn hear(&self, frame: &Frame, client: &Client, app: &App) {
         match frame {
             Frame::Text(text) => handle(text.as_str(), client, app),
-            _ => client.notice(
-                NoticeLevel::Warning,
-                "binary messages are not understood here; send JSON text",
-            ),
+            _ => {
+                refuse_data(code::UNSUPPORTED, "a binary message, expected JSON text", client, app);
+            }
         }
     }
+}
+
+/// Closes the connection of a client whose message is not of the type that is understood here.
+pub(super) fn refuse_data(code: u16, what: &str, client: &Client, app: &App) {
+    app.admission.refusals.note(Refusal::Data, &format_args!("client {}: {what}", client.id));
+    client.close(code, format!("message not understood: {what}"));
 }
 
 /// A notice quotes at most this many characters of a parser's error.
@@ -117,66 +109,70 @@ const SHOWN_CHARACTERS: usize = 300;
 struct Acknowledged {
     awaited: AtomicBool,
     arrived: Notify,
+    /// The client was silent, and is to be asked whether it is alive.
+    doubted: AtomicBool,
 }
 
-/// Accepts the socket of a client that speaks `dialect`.
-pub(super) fn connect(
-    upgrade: WebSocketUpgrade,
-    headers: &HeaderMap,
-    app: Arc<App>,
-    dialect: impl Dialect,
-) -> Response {
-    let taker = ReceiverKind::of(headers);
-    upgrade
-        .read_buffer_size(READ_BUFFER)
-        .max_message_size(LONGEST_MESSAGE)
-        .max_frame_size(LONGEST_MESSAGE)
-        .on_upgrade(move |socket| serve(socket, app, dialect, taker))
+/// Accepts the socket of a client that speaks `dialect`, if a place is free.
+pub(super) fn connect(upgrade: Upgrade, app: Arc<App>, dialect: impl Dialect) -> Response {
+    let taker = ReceiverKind::of(&upgrade);
+    match app.admission.places.take(upgrade.visitor.clone()) {
+        Ok(place) => upgrade.accept(async move |socket| {
+            serve(socket, app, dialect, taker).await;
+            drop(place);
+        }),
+        Err(refusal) => {
+            let address = upgrade.visitor.address;
+            app.admission.refusals.note(refusal, &format_args!("{address}: too many clients"));
+            try_later(upgrade)
+        }
+    }
 }
 
 /// Serves one connection until it ends.
-pub(super) async fn serve<D: Dialect>(
-    socket: WebSocket,
-    app: Arc<App>,
-    dialect: D,
-    taker: ReceiverKind,
-) {
-    let (mut sink, mut stream) = socket.split();
-    let Some(client) = app.hub.join() else {
-        let farewell = CloseReason {
-            code: 1013,
-            reason: "too many clients; close another console and try again".to_owned(),
-        };
-        say_farewell(&mut sink, farewell).await;
-        return;
-    };
+async fn serve<D: Dialect>(socket: WebSocket, app: Arc<App>, dialect: D, taker: ReceiverKind) {
+    let (sink, mut stream) = socket.split();
+    let client = app.hub.join();
     let shared = Arc::new((dialect, Acknowledged::default()));
     let writing = write(sink, Arc::clone(&client), Arc::clone(&app), Arc::clone(&shared), taker);
     let mut writer = tokio::spawn(writing);
-    tokio::select! {
+    let sink = tokio::select! {
         () = read(&mut stream, &client, &app, &shared) => {
-            client.close(1000, "bye");
+            client.close(code::NORMAL, "bye");
             shared.1.arrived.notify_one();
-            // Closing a socket with unread input resets the connection, and the client would never see the reason.
-            let drained = async { while let Some(Ok(_)) = stream.next().await {} };
-            let _ = tokio::time::timeout(LINGER, async { tokio::join!(&mut writer, drained) }).await;
+            tokio::time::timeout(LINGER, &mut writer).await.ok()
         }
-        _ = &mut writer => {}
-    }
-    writer.abort();
+        sink = &mut writer => Some(sink),
+    };
     app.hub.leave(client.id);
+    match sink {
+        Some(Ok(sink)) => {
+            if let Ok(socket) = stream.reunite(sink) {
+                linger(socket).await;
+            }
+        }
+        // The client takes no data, so it would not take the reason either.
+        _ => writer.abort(),
+    }
 }
 
+/// Sends the content of the outbox until the connection closes; returns the sink for the end of the connection.
 async fn write<D: Dialect>(
     mut sink: SplitSink<WebSocket, Frame>,
     client: Arc<Client>,
     app: Arc<App>,
     shared: Arc<(D, Acknowledged)>,
     taker: ReceiverKind,
-) {
+) -> SplitSink<WebSocket, Frame> {
     let (dialect, acknowledged) = &*shared;
+    let stalled = app.admission.limits.stalled;
     loop {
         client.wake.notified().await;
+        if acknowledged.doubted.swap(false, Ordering::Relaxed)
+            && !send(&mut sink, vec![Frame::Ping(Bytes::from_static(ALIVE))], &client, &app).await
+        {
+            return sink;
+        }
         let mut parcel = client.outbox().take();
         let farewell = parcel.farewell.take();
         let mut asked = false;
@@ -187,16 +183,19 @@ async fn write<D: Dialect>(
             if asked {
                 frames.push(acknowledged.ask());
             }
-            if !frames.is_empty() && !send(&mut sink, frames).await {
-                return;
+            if !frames.is_empty() && !send(&mut sink, frames, &client, &app).await {
+                return sink;
             }
         }
         if let Some(farewell) = farewell {
             say_farewell(&mut sink, farewell).await;
-            return;
+            return sink;
         }
-        if asked && !acknowledged.wait(&mut sink).await {
-            return;
+        if asked && !acknowledged.wait(stalled).await {
+            app.note_stalled(&client);
+            let reason = format!("a batch was not read for {} s", stalled.as_secs_f64());
+            say_farewell(&mut sink, CloseReason { code: code::POLICY, reason }).await;
+            return sink;
         }
         let gap = taker.gap(D::ONE_IN_FLIGHT, app.hub.crowd());
         if !gap.is_zero() {
@@ -212,14 +211,9 @@ impl Acknowledged {
         Frame::Ping(Bytes::new())
     }
 
-    /// Waits for the pong; returns `false` after closing the connection if none arrives in time.
-    async fn wait(&self, sink: &mut SplitSink<WebSocket, Frame>) -> bool {
-        if tokio::time::timeout(SEND_TIMEOUT, self.arrived.notified()).await.is_ok() {
-            return true;
-        }
-        let reason = format!("no answer for {} s", SEND_TIMEOUT.as_secs());
-        say_farewell(sink, CloseReason { code: 1001, reason }).await;
-        false
+    /// Waits for the pong; returns `false` if none arrives within `stalled`.
+    async fn wait(&self, stalled: Duration) -> bool {
+        tokio::time::timeout(stalled, self.arrived.notified()).await.is_ok()
     }
 
     /// Notes a pong; returns `false` if no batch waits for one.
@@ -232,79 +226,68 @@ impl Acknowledged {
     }
 }
 
-/// Sends frames with one flush, because each flush is a system call and a viewer gets many frames per tick.
-async fn send(sink: &mut SplitSink<WebSocket, Frame>, frames: Vec<Frame>) -> bool {
+/// Sends frames with one flush, because each flush is a system call and a viewer gets many frames per tick. Returns `false` if the client
+/// is gone, or has not taken them in time.
+async fn send(
+    sink: &mut SplitSink<WebSocket, Frame>,
+    frames: Vec<Frame>,
+    client: &Client,
+    app: &App,
+) -> bool {
     let sending = async {
         for frame in frames {
             sink.feed(frame).await?;
         }
         sink.flush().await
     };
-    matches!(tokio::time::timeout(SEND_TIMEOUT, sending).await, Ok(Ok(())))
+    let sent = tokio::time::timeout(app.admission.limits.stalled, sending).await;
+    if sent.is_err() {
+        app.note_stalled(client);
+    }
+    matches!(sent, Ok(Ok(())))
 }
 
-async fn say_farewell(sink: &mut SplitSink<WebSocket, Frame>, farewell: CloseReason) {
-    let frame = CloseFrame { code: farewell.code, reason: farewell.reason.into() };
-    // An error means that the client is gone already, so nobody is left to tell.
-    let _ =
-        tokio::time::timeout(Duration::from_secs(1), sink.send(Frame::Close(Some(frame)))).await;
-}
-
+/// Reads until the connection ends; a client that is silent is asked whether it is alive.
 async fn read<D: Dialect>(
     stream: &mut SplitStream<WebSocket>,
     client: &Client,
     app: &App,
     (dialect, acknowledged): &(D, Acknowledged),
 ) {
-    let mut bucket = TokenBucket::new(app.uptime_s());
-    while let Some(frame) = stream.next().await {
-        let frame = match frame {
-            Ok(frame) => frame,
-            Err(error) => {
-                let limit = LONGEST_MESSAGE / 1024;
-                client.close(
-                    1009,
-                    format!(
-                        "unreadable or longer than {limit} KiB: {}",
-                        shown(&error.to_string(), 60)
-                    ),
-                );
-                return;
+    let silent = app.admission.limits.silent;
+    let mut asked = false;
+    loop {
+        let frame = match tokio::time::timeout(silent / 2, stream.next()).await {
+            Ok(Some(Ok(frame))) => frame,
+            Ok(None) => return,
+            Ok(Some(Err(error))) => return app.dismiss(&error, client),
+            Err(_) if asked => {
+                let reason = format!("no answer to a ping for {} s", (silent / 2).as_secs_f64());
+                app.admission
+                    .refusals
+                    .note(Refusal::Silent, &format_args!("client {}: {reason}", client.id));
+                return client.close(code::POLICY, reason);
+            }
+            Err(_) => {
+                asked = true;
+                acknowledged.doubted.store(true, Ordering::Relaxed);
+                client.wake.notify_one();
+                continue;
             }
         };
-        if matches!(frame, Frame::Pong(_)) && acknowledged.note() {
-            continue;
-        }
-        match admit(&mut bucket, client, app) {
-            Admission::Handle => {}
-            Admission::Close => return,
-            Admission::Warn | Admission::Drop => continue,
-        }
+        asked = false;
         match frame {
+            Frame::Pong(content) if content.is_empty() && acknowledged.note() => {}
             Frame::Close(_) => return,
+            _ if !app.paced(client).await => return,
             Frame::Ping(_) | Frame::Pong(_) => {}
             frame => dialect.hear(&frame, client, app),
         }
+        // The writing task may wait for an answer to its last batch; the end of this task wakes it.
+        if client.outbox().is_closing() {
+            return;
+        }
     }
-}
-
-/// Decides whether to handle a message that arrives now; tells the client if it sends too many.
-fn admit(bucket: &mut TokenBucket, client: &Client, app: &App) -> Admission {
-    let admission = bucket.admit(app.uptime_s());
-    match admission {
-        Admission::Handle | Admission::Drop => {}
-        Admission::Warn => client.notice(
-            NoticeLevel::Warning,
-            format!(
-                "more than {MESSAGES_PER_S} messages per second; the rest is ignored, slow down"
-            ),
-        ),
-        Admission::Close => client.close(
-            1008,
-            format!("more than {MESSAGES_PER_S} messages per second in spite of a warning"),
-        ),
-    }
-    admission
 }
 
 fn handle(text: &str, client: &Client, app: &App) {
@@ -328,44 +311,14 @@ pub(super) fn shown(text: &str, characters: usize) -> String {
     text.chars().take(characters).collect()
 }
 
-impl App {
-    /// Checks a request of a client and hands it to the flight; tells the client if the request is refused.
-    pub(super) fn obey(&self, message: ClientMessage, client: &Client) {
-        if let Some(why) = mirrored::refusal(&message, self.mirrored) {
-            return client.notice(NoticeLevel::Warning, why);
-        }
-        match command::check(message, &self.scenarios, &self.tuning) {
-            Ok(Some(command)) => {
-                if let Err(why) = self.ask(Request { client: Some(client.id), command }) {
-                    client.notice(NoticeLevel::Error, why);
-                }
-            }
-            Ok(None) => {}
-            Err(error) => client.notice(NoticeLevel::Warning, error.to_string()),
-        }
-    }
-
-    /// Hands a request to the flight without waiting.
-    ///
-    /// # Errors
-    /// A sentence for the operator if the queue of requests is full or the flight has stopped.
-    pub(super) fn ask(&self, request: Request) -> Result<(), &'static str> {
-        self.requests.try_send(request).map_err(|error| match error {
-            TrySendError::Full(_) => "the flight is busy; nothing was changed, try again",
-            TrySendError::Disconnected(_) => "the flight has stopped; start the server again",
-        })
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn a_page_is_paced_a_program_paces_itself_and_a_crowd_shares() {
-        let (ms, page) =
-            (Duration::from_millis, HeaderMap::from_iter([(ORIGIN, "http://x".parse().unwrap())]));
-        let (page, program) = (ReceiverKind::of(&page), ReceiverKind::of(&HeaderMap::new()));
+        let ms = Duration::from_millis;
+        let (page, program) = (ReceiverKind::Page, ReceiverKind::Program);
         assert_eq!(
             [page.gap(true, 1), program.gap(true, 1), program.gap(true, 50)],
             [ms(5), ms(0), ms(0)]

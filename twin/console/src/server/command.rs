@@ -7,6 +7,9 @@ use twin_core::source::{Disturbance, EFFECTS};
 use twin_core::tuning::{Tuning, TuningError};
 use twin_scenario::Preset;
 
+/// The answer to a command that finds no room in the queue.
+pub(super) const BUSY: &str = "the flight is busy; nothing was changed, try again";
+
 /// A command that the flight executes between two ticks.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Command {
@@ -102,6 +105,9 @@ pub(super) fn check(
             Command::Speed(value)
         }
         ClientMessage::Restart { seed, scenario } => {
+            if let Some(seed) = seed {
+                quantity::SEED.check(quantity::whole(i128::from(seed)))?;
+            }
             if let Some(name) = &scenario {
                 known_scenario(name, catalogue)?;
             }
@@ -184,6 +190,8 @@ mod tests {
             (r#"{"type":"speed","value":-1}"#, "0.01..=100"),
             (r#"{"type":"preset","name":"custom"}"#, "literal, paper, tuned"),
             (r#"{"type":"restart","scenario":"../../etc/passwd"}"#, "allowed: hover"),
+            (r#"{"type":"restart","seed":9007199254740993}"#, "seed"),
+            (r#"{"type":"restart","seed":18446744073709551615}"#, "0..=9007199254740992"),
             (r#"{"type":"set_gain","name":"slope.x","value":-1}"#, "0..=20"),
             (r#"{"type":"set_gain","name":"nose","value":1}"#, "slope.x"),
             (
@@ -214,8 +222,8 @@ mod tests {
         let segments: Vec<&str> = place.split('.').collect();
         let list = |field: &str| match field {
             "velocity_m_s" | "force_n" => format!("[0.0, 0.0, {value:?}]"),
-            // A whole number of ticks is written without a decimal point.
-            "ticks" => format!("{value}"),
+            // A whole number is written without a decimal point.
+            "ticks" | "seed" => format!("{value}"),
             _ => format!("{value:?}"),
         };
         match segments[..] {
@@ -244,7 +252,13 @@ mod tests {
                     let text = carrying(place, value);
                     assert!(matches!(checked(&text), Ok(Some(_))), "{text}: {:?}", checked(&text));
                 }
-                for value in [min - 1.0, max + 1.0] {
+                // A whole number below zero is refused by its type, and beyond 2^53 there are only even doubles.
+                let beyond = if *place == "restart.seed" {
+                    vec![max + 2.0]
+                } else {
+                    vec![min - 1.0, max + 1.0]
+                };
+                for value in beyond {
                     let text = carrying(place, value);
                     let error = checked(&text).expect_err(&text).to_string();
                     assert!(error.contains(quantity.name), "{text}: {error}");
@@ -253,7 +267,7 @@ mod tests {
                 places += 1;
             }
         }
-        assert_eq!(places, 7, "payload mass, wind, push (two), step, speed, seek");
+        assert_eq!(places, 8, "payload mass, wind, push (two), step, speed, seed, seek");
     }
 
     #[test]

@@ -27,6 +27,13 @@ pub(super) struct CheckedGain {
     value: f64,
 }
 
+impl CheckedGain {
+    /// Name of the gain.
+    pub(super) fn name(&self) -> &str {
+        &self.name
+    }
+}
+
 /// A change that is applied at the end of the tick.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Change {

@@ -6,12 +6,10 @@ use std::sync::Arc;
 
 use axum::body::Bytes;
 use axum::extract::rejection::JsonRejection;
-use axum::extract::ws::WebSocketUpgrade;
-use axum::extract::ws::rejection::WebSocketUpgradeRejection;
 use axum::extract::{Path, Request, State};
 use axum::http::header::{
-    CACHE_CONTROL, CONTENT_ENCODING, CONTENT_SECURITY_POLICY, CONTENT_TYPE, HOST, ORIGIN,
-    REFERRER_POLICY, X_CONTENT_TYPE_OPTIONS,
+    CACHE_CONTROL, CONNECTION, CONTENT_ENCODING, CONTENT_SECURITY_POLICY, CONTENT_TYPE, HOST,
+    ORIGIN, REFERRER_POLICY, RETRY_AFTER, X_CONTENT_TYPE_OPTIONS,
 };
 use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode};
 use axum::middleware::{self, Next};
@@ -21,12 +19,16 @@ use axum::{Json, Router};
 use serde::Deserialize;
 use serde_json::json;
 
+use crate::server::admission::Admission;
+use crate::server::admission::refusals::Refusal;
 use crate::server::client::{Console, connect};
 use crate::server::command::{Command, Request as Ask};
 use crate::server::gains::{self, Change};
 use crate::server::mirrored;
 use crate::server::origin::{OriginError, check_host, check_origin};
+use crate::server::pace::now;
 use crate::server::protocol::ClientMessage;
+use crate::server::socket::{NoUpgrade, Upgrade};
 use crate::server::viewers::meshcat::MeshCat;
 use crate::server::viewers::pages;
 use crate::server::{App, assets, metrics, override_file};
@@ -56,20 +58,20 @@ pub(super) fn router(app: Arc<App>) -> Router {
         .route("/metrics", get(metrics_page))
         .merge(pages::routes())
         .route("/{*path}", get(asset))
-        .layer(middleware::from_fn(guard))
+        .layer(middleware::from_fn_with_state(Arc::clone(&app.admission), guard))
         .with_state(app)
 }
 
-/// Refuses requests of foreign hosts and pages, and adds the headers that every answer has.
-async fn guard(request: Request, next: Next) -> Response {
+/// Refuses requests of foreign hosts and pages, ends requests whose body does not come, and adds the headers that every answer has.
+async fn guard(State(admission): State<Arc<Admission>>, request: Request, next: Next) -> Response {
     let headers = request.headers();
     let host = text(headers, &HOST);
     let changes = !request.method().is_safe() || headers.contains_key("upgrade");
     let checked = check_host(host)
         .and_then(|()| if changes { check_origin(text(headers, &ORIGIN), host) } else { Ok(()) });
     let mut response = match checked {
-        Ok(()) => next.run(request).await,
-        Err(error) => refusal(&error),
+        Ok(()) => in_time(&admission, next.run(request)).await,
+        Err(error) => refusal(&error, &admission),
     };
     for (name, value) in [
         (X_CONTENT_TYPE_OPTIONS, "nosniff"),
@@ -82,31 +84,46 @@ async fn guard(request: Request, next: Next) -> Response {
     response
 }
 
+/// The answer, or status 408 if it waits too long for the body of its request.
+async fn in_time(admission: &Admission, answer: impl Future<Output = Response>) -> Response {
+    let limit = admission.limits.body;
+    if let Ok(response) = tokio::time::timeout(limit, answer).await {
+        return response;
+    }
+    let why = format!("the body of the request did not arrive within {} s", limit.as_secs_f64());
+    admission.refusals.note(Refusal::Body, &why);
+    (StatusCode::REQUEST_TIMEOUT, [(CONNECTION, "close")], why).into_response()
+}
+
 /// A header as text. A header that is present but not valid text counts as an empty name, which every check refuses.
-fn text<'a>(headers: &'a HeaderMap, name: &HeaderName) -> Option<&'a str> {
+pub(super) fn text<'a>(headers: &'a HeaderMap, name: &HeaderName) -> Option<&'a str> {
     headers.get(name).map(|value| value.to_str().unwrap_or_default())
 }
 
-fn refusal(error: &OriginError) -> Response {
-    tracing::warn!("{error}");
+/// The answer to a request of a foreign host or page.
+pub(super) fn refusal(error: &OriginError, admission: &Admission) -> Response {
+    let reason = match error {
+        OriginError::Host { .. } => Refusal::Host,
+        OriginError::Origin { .. } | OriginError::App { .. } => Refusal::Origin,
+    };
+    admission.refusals.note(reason, error);
     (StatusCode::FORBIDDEN, error.to_string()).into_response()
 }
 
-async fn upgrade(
-    upgrade: WebSocketUpgrade,
-    State(app): State<Arc<App>>,
-    headers: HeaderMap,
-) -> Response {
-    connect(upgrade, &headers, app, Console)
+async fn upgrade(upgrade: Result<Upgrade, NoUpgrade>, State(app): State<Arc<App>>) -> Response {
+    match upgrade {
+        Ok(upgrade) => connect(upgrade, app, Console),
+        Err(refused) => refused.into_response(),
+    }
 }
 
 async fn index(
-    upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
+    upgrade: Result<Upgrade, NoUpgrade>,
     State(app): State<Arc<App>>,
     headers: HeaderMap,
 ) -> Response {
     match upgrade {
-        Ok(upgrade) => return connect(upgrade, &headers, app, MeshCat::default()),
+        Ok(upgrade) => return connect(upgrade, app, MeshCat::default()),
         Err(refused) if headers.contains_key("upgrade") => return refused.into_response(),
         Err(_) => {}
     }
@@ -162,7 +179,7 @@ async fn list_gains(State(app): State<Arc<App>>) -> Response {
 }
 
 async fn metrics_page(State(app): State<Arc<App>>) -> Response {
-    let text = metrics::text(&app.hub.published(), app.uptime_s());
+    let text = metrics::text(&app.hub.published(), app.uptime_s(), &app.counts());
     ([(CONTENT_TYPE, "text/plain; version=0.0.4; charset=utf-8")], text).into_response()
 }
 
@@ -198,6 +215,13 @@ async fn set_gain(
         Ok(checked) => checked,
         Err(refused) => return error(StatusCode::UNPROCESSABLE_ENTITY, refused.to_string()),
     };
+    let debt = app.admission.overall().debt(now());
+    if !debt.is_zero() {
+        app.admission.refusals.note(Refusal::Rate, &"POST /api/gains: too many commands");
+        let retry = [(RETRY_AFTER, debt.as_secs_f64().ceil().to_string())];
+        let why = json!({ "error": "too many commands per second; try again later" });
+        return (StatusCode::TOO_MANY_REQUESTS, retry, Json(why)).into_response();
+    }
     match app.ask(Ask { client: None, command: Command::Change(Change::Gain(checked)) }) {
         Ok(()) => {
             (StatusCode::ACCEPTED, Json(json!({ "queued": { "name": name, "value": value } })))

@@ -8,14 +8,15 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use tokio::sync::Notify;
 
+use crate::server::admission::budget::Budget;
+use crate::server::agenda::Tally;
 use crate::server::outbox::{CloseReason, Message, Outbox, RecentRows, SharedMessage};
+use crate::server::pace::now;
 use crate::server::protocol::{FlightPhase, Notice, NoticeLevel, ServerMessage};
 use crate::server::published::Published;
+use crate::server::socket::code;
 use crate::server::telemetry::Picture;
 use twin_core::tick::Tick;
-
-/// Largest number of connected clients.
-pub(super) const MOST_CLIENTS: usize = 256;
 
 /// One connected client.
 #[derive(Debug)]
@@ -25,12 +26,18 @@ pub(super) struct Client {
     /// Wakes the client's task when its outbox has data.
     pub wake: Notify,
     outbox: Mutex<Outbox>,
+    budget: Mutex<Budget>,
 }
 
 impl Client {
     /// Messages and ticks that wait to be sent to the client.
     pub(super) fn outbox(&self) -> MutexGuard<'_, Outbox> {
         self.outbox.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// What the client may still ask.
+    pub(super) fn budget(&self) -> MutexGuard<'_, Budget> {
+        self.budget.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Sends a notice to this client only; it is dropped if the outbox is full.
@@ -67,6 +74,8 @@ struct Shared {
 pub(super) struct Hub {
     shared: Mutex<Shared>,
     crowd: AtomicU32,
+    /// Counts of commands.
+    pub tally: Arc<Tally>,
 }
 
 impl Hub {
@@ -82,6 +91,7 @@ impl Hub {
                 holding: false,
             }),
             crowd: AtomicU32::new(0),
+            tally: Arc::default(),
         }
     }
 
@@ -94,14 +104,15 @@ impl Hub {
         self.shared.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Adds a client; `None` if there are already [`MOST_CLIENTS`].
-    pub(super) fn join(&self) -> Option<Arc<Client>> {
+    /// Adds a client.
+    pub(super) fn join(&self) -> Arc<Client> {
         let mut shared = self.shared();
-        if shared.clients.len() >= MOST_CLIENTS {
-            return None;
-        }
-        let client =
-            Arc::new(Client { id: shared.next_id, wake: Notify::new(), outbox: Mutex::default() });
+        let client = Arc::new(Client {
+            id: shared.next_id,
+            wake: Notify::new(),
+            outbox: Mutex::default(),
+            budget: Mutex::new(Budget::new(now())),
+        });
         shared.next_id += 1;
         shared.clients.insert(client.id, Arc::clone(&client));
         shared.published.state.clients = shared.clients.len();
@@ -114,7 +125,7 @@ impl Hub {
         }
         drop(outbox);
         client.wake.notify_one();
-        Some(client)
+        client
     }
 
     /// Removes a client.
@@ -235,7 +246,7 @@ impl Hub {
     /// Closes every connection.
     pub(super) fn close_all(&self, reason: &str) {
         for client in self.shared().clients.values() {
-            client.close(1001, reason);
+            client.close(code::GOING_AWAY, reason);
         }
     }
 }
@@ -256,7 +267,7 @@ mod tests {
         let scenario = Scenario::load(Path::new(HOVER), &[]).unwrap();
         let mut served = ServedFlight::new(scenario).unwrap();
         let hub = Hub::new(served.published(Arc::default(), None, false));
-        let before = hub.join().unwrap();
+        let before = hub.join();
         let mut fly = |ticks: usize| {
             for _ in 0..ticks {
                 let tick = served.flight.tick();
@@ -265,7 +276,7 @@ mod tests {
         };
         hub.hold();
         fly(MOST_ROWS);
-        let meanwhile = hub.join().unwrap();
+        let meanwhile = hub.join();
         fly(MOST_ROWS);
         assert!(meanwhile.outbox().take().telemetry.is_none());
         hub.release();

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use tokio::net::{TcpListener, TcpSocket};
 
-use crate::server::ServerError;
+use crate::server::{AppOrigin, Limits, ServerError};
 use twin_scenario::VehicleFiles;
 
 /// Size of the kernel's send buffer, bytes. It is small, so that a slow client gets new rows instead of old ones.
@@ -23,6 +23,8 @@ pub(super) struct ListenOptions {
     pub port: u16,
     /// Folder with the stock viewers.
     pub viewer_dir: Option<PathBuf>,
+    /// Limits of both servers together.
+    pub limits: Limits,
     /// The server for Foxglove; `None` starts none.
     pub foxglove: Option<Beside>,
 }
@@ -31,6 +33,8 @@ pub(super) struct ListenOptions {
 pub(super) struct Beside {
     /// Its port; 0 takes any free one.
     pub port: u16,
+    /// Pages that may use it, besides the known ones.
+    pub origins: Vec<AppOrigin>,
     /// The vehicle of each scenario, by the scenario's name.
     pub vehicles: BTreeMap<String, VehicleFiles>,
     /// Names of the joints of a mirrored recording.
@@ -56,21 +60,26 @@ pub(super) fn loopback(host: &str) -> Result<IpAddr, ServerError> {
 /// # Errors
 /// [`ServerError::PortInUse`], or [`ServerError::Listen`] with the system's error.
 pub(super) fn listen(address: SocketAddr) -> Result<TcpListener, ServerError> {
-    let open = || {
-        let socket = if address.is_ipv4() { TcpSocket::new_v4() } else { TcpSocket::new_v6() }?;
-        // A killed server leaves connections in the state TIME_WAIT; with this option the next server gets the port at once.
-        #[cfg(unix)]
-        socket.set_reuseaddr(true)?;
-        socket.set_send_buffer_size(SEND_BUFFER)?;
-        socket.bind(address)?;
-        socket.listen(BACKLOG)
-    };
-    open().map_err(|source: std::io::Error| match source.kind() {
+    bind(address).map_err(|source| match source.kind() {
         std::io::ErrorKind::AddrInUse => {
             ServerError::PortInUse { address: address.ip(), port: address.port() }
         }
         _ => ServerError::Listen { address, source },
     })
+}
+
+/// Listens on `address`, with a small send buffer for each connection.
+///
+/// # Errors
+/// The system's error.
+pub(super) fn bind(address: SocketAddr) -> std::io::Result<TcpListener> {
+    let socket = if address.is_ipv4() { TcpSocket::new_v4() } else { TcpSocket::new_v6() }?;
+    // A killed server leaves connections in the state TIME_WAIT; with this option the next server gets the port at once.
+    #[cfg(unix)]
+    socket.set_reuseaddr(true)?;
+    socket.set_send_buffer_size(SEND_BUFFER)?;
+    socket.bind(address)?;
+    socket.listen(BACKLOG)
 }
 
 #[cfg(test)]

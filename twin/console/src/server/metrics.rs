@@ -6,8 +6,20 @@ use crate::server::pace::{EDGES_MS, Lateness};
 use crate::server::published::Published;
 use twin_record::RecordingState;
 
+/// Counts that the flight does not publish.
+pub(super) struct Counts {
+    /// Open TCP connections.
+    pub connections: usize,
+    /// Flights that were started anew.
+    pub restarts: u64,
+    /// Commands that a later one made void.
+    pub coalesced: u64,
+    /// Refusals by their label.
+    pub refused: Vec<(&'static str, u64)>,
+}
+
 /// The text of `/metrics`; `uptime_s` is the time since the server started, s.
-pub(super) fn text(published: &Published, uptime_s: f64) -> String {
+pub(super) fn text(published: &Published, uptime_s: f64, counts: &Counts) -> String {
     let state = &published.state;
     let mut text = String::new();
     let mut line = |kind: &str, name: &str, help: &str, values: &[(String, f64)]| {
@@ -19,6 +31,19 @@ pub(super) fn text(published: &Published, uptime_s: f64) -> String {
     let one = |value: f64| [(String::new(), value)];
     line("counter", "uptime_seconds", "Time since the server started.", &one(uptime_s));
     line("gauge", "clients", "Consoles and viewers connected.", &one(state.clients as f64));
+    let connections = counts.connections as f64;
+    line("gauge", "connections", "TCP connections open, of both ports.", &one(connections));
+    line("counter", "restarts_total", "Flights started anew.", &one(counts.restarts as f64));
+    let coalesced = one(counts.coalesced as f64);
+    line("counter", "commands_coalesced_total", "Commands that a later one made void.", &coalesced);
+    let refusal = |&(label, count): &(&str, u64)| (format!("{{reason=\"{label}\"}}"), count as f64);
+    let refused: Vec<_> = counts.refused.iter().map(refusal).collect();
+    line(
+        "counter",
+        "refused_total",
+        "Requests and connections refused or ended, by reason.",
+        &refused,
+    );
     line("gauge", "ticks", "Ticks flown in this flight.", &one(state.tick as f64));
     let factor = state.real_time_factor;
     line("gauge", "real_time_factor", "Simulated seconds per second.", &one(factor));

@@ -9,7 +9,7 @@ use crate::server::listen::{Beside, ListenOptions};
 use crate::server::mirrored::Mirrored;
 use crate::server::pilot::{FirstFlight, PilotOptions};
 use crate::server::running::{Running, Served, watch};
-use crate::server::{ServerError, launch};
+use crate::server::{AppOrigin, Limits, ServerError, launch};
 use twin_foreign::{Live, OpenedFlight};
 use twin_record::Outputs;
 
@@ -33,6 +33,10 @@ pub struct MirrorOptions {
     pub viewer_dir: Option<PathBuf>,
     /// Port for Foxglove, 0 for any free one; `None` for no such server.
     pub foxglove_port: Option<u16>,
+    /// Pages that may use the port for Foxglove, besides the known applications and the pages of this machine.
+    pub foxglove_origins: Vec<AppOrigin>,
+    /// Limits of connections, times and commands.
+    pub limits: Limits,
 }
 
 /// Serves a recording until a signal asks the program to end.
@@ -56,13 +60,15 @@ pub fn spawn_mirror(options: MirrorOptions) -> Result<Running, ServerError> {
         speed: options.speed,
         start_paused: options.start_paused,
         flight_recorder: FlightRecorder::new(None, Outputs::default()),
+        restart_gap: options.limits.restart_gap,
     };
     // A recording contains no model files of its vehicle, only the angles of its joints.
     let foxglove = options.foxglove_port.map(|port| Beside {
         port,
+        origins: options.foxglove_origins,
         vehicles: BTreeMap::new(),
         recorded_joints: options.opened.recorded.joint_names.clone(),
     });
-    let MirrorOptions { host, port, viewer_dir, .. } = options;
-    launch(orders, &tuning, true, ListenOptions { host, port, viewer_dir, foxglove })
+    let MirrorOptions { host, port, viewer_dir, limits, .. } = options;
+    launch(orders, &tuning, true, ListenOptions { host, port, viewer_dir, limits, foxglove })
 }

@@ -10,6 +10,8 @@ mod quantity_info;
 mod gain_events;
 mod gains;
 mod command;
+mod admission;
+mod agenda;
 pub mod channels;
 pub mod telemetry;
 mod pace;
@@ -18,11 +20,14 @@ mod outbox;
 mod hub;
 mod world;
 mod flight_recorder;
+mod stream;
+mod accept;
 mod listen;
+mod socket;
 mod mirrored;
 mod served_flight;
 mod pilot;
-mod rate;
+mod requests;
 mod client;
 pub mod viewers;
 mod assets;
@@ -38,21 +43,23 @@ mod mirroring;
 #[cfg(test)]
 mod typescript;
 
+pub use admission::Limits;
 pub use mirroring::{MirrorOptions, serve_mirror, spawn_mirror};
+pub use origin::AppOrigin;
 pub use running::{Running, Served};
 
 use std::collections::BTreeMap;
 use std::net::{IpAddr, SocketAddr};
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 use std::time::Instant;
 
-use axum::serve::ListenerExt as _;
-use tokio::sync::oneshot;
+use tokio::sync::watch;
 
+use crate::server::admission::Admission;
 use crate::server::command::Request;
 use crate::server::flight_recorder::FlightRecorder;
 use crate::server::hub::Hub;
@@ -88,6 +95,10 @@ pub struct ServeOptions {
     pub viewer_dir: Option<PathBuf>,
     /// Port for Foxglove, 0 for any free one; `None` for no such server.
     pub foxglove_port: Option<u16>,
+    /// Pages that may use the port for Foxglove, besides the known applications and the pages of this machine.
+    pub foxglove_origins: Vec<AppOrigin>,
+    /// Limits of connections, times and commands.
+    pub limits: Limits,
 }
 
 /// Why a flight cannot be served.
@@ -152,12 +163,24 @@ struct App {
     requests: SyncSender<Request>,
     viewer_dir: Option<PathBuf>,
     started: Instant,
+    admission: Arc<Admission>,
 }
 
 impl App {
     /// Time since the server started, s.
     fn uptime_s(&self) -> f64 {
         self.started.elapsed().as_secs_f64()
+    }
+
+    /// Counts for `/metrics` that the flight does not publish.
+    fn counts(&self) -> metrics::Counts {
+        let tally = &self.hub.tally;
+        metrics::Counts {
+            connections: self.admission.connections.count(),
+            restarts: tally.restarts.load(Ordering::Relaxed),
+            coalesced: tally.coalesced.load(Ordering::Relaxed),
+            refused: self.admission.refusals.list().collect(),
+        }
     }
 }
 
@@ -182,8 +205,10 @@ pub fn spawn(options: ServeOptions) -> Result<Running, ServerError> {
         host: options.host,
         port: options.port,
         viewer_dir: options.viewer_dir,
+        limits: options.limits,
         foxglove: options.foxglove_port.map(|port| Beside {
             port,
+            origins: options.foxglove_origins,
             vehicles,
             recorded_joints: Vec::new(),
         }),
@@ -195,6 +220,7 @@ pub fn spawn(options: ServeOptions) -> Result<Running, ServerError> {
         speed: options.speed,
         start_paused: options.start_paused,
         flight_recorder: FlightRecorder::new(options.record, options.outputs),
+        restart_gap: options.limits.restart_gap,
     };
     launch(orders, &tuning, false, place)
 }
@@ -224,30 +250,17 @@ fn launch(
         requests,
         viewer_dir: options.viewer_dir,
         started: pace::now(),
+        admission: Arc::new(Admission::new(options.limits)),
     });
     let router = http::router(Arc::clone(&app));
-    // Disables Nagle's algorithm: otherwise a frame waits for the acknowledgement of the previous one, which the peer may delay by 40 ms.
-    let listener = listener.tap_io(|stream| {
-        if let Err(error) = stream.set_nodelay(true) {
-            tracing::debug!("a connection keeps small frames back: {error}");
-        }
-    });
-    let (shutdown, asked) = oneshot::channel::<()>();
-    runtime.spawn(async move {
-        let stopped = async {
-            // A dropped sender means shutdown too.
-            let _ = asked.await;
-        };
-        if let Err(error) = axum::serve(listener, router).with_graceful_shutdown(stopped).await {
-            tracing::error!("the server stopped: {error}");
-        }
-    });
+    let (shutdown, stopped) = watch::channel(false);
+    runtime.spawn(accept::serve(listener, router, Arc::clone(&app.admission), stopped));
     let mut running = Running {
         address,
         foxglove: None,
         hub,
         landing,
-        shutdown: Some(shutdown),
+        shutdown,
         flight: Some(flight),
         runtime: Some(runtime),
     };

@@ -3,6 +3,7 @@
 use std::net::{IpAddr, SocketAddr};
 use std::sync::Arc;
 
+use tokio::sync::watch;
 use tokio::task::JoinHandle;
 
 use crate::server::App;
@@ -17,6 +18,7 @@ pub(super) async fn start(
     _: IpAddr,
     _: Beside,
     _: Arc<App>,
+    _: watch::Receiver<bool>,
 ) -> Result<(SocketAddr, JoinHandle<()>), String> {
     Err("this twin was built without the feature foxglove-ws".to_owned())
 }

@@ -2,8 +2,42 @@
 //!
 //! The server listens on loopback only. A `Host` that is no loopback name therefore comes from a foreign page whose DNS name
 //! points to this machine (DNS rebinding); such a page would pass a comparison of `Origin` with `Host`.
+//!
+//! Foxglove and Lichtblick are pages from elsewhere, or programs that show such a page. The port for Foxglove accepts those of
+//! [`KNOWN_APPS`], the pages of this machine, and those that the operator names.
 
 use std::net::IpAddr;
+
+/// Origins of the applications that speak Foxglove's protocol: Foxglove, its former address, Lichtblick, and the desktop programs of both,
+/// which load their page from a file.
+pub(super) const KNOWN_APPS: [&str; 4] = [
+    "https://app.foxglove.dev",
+    "https://studio.foxglove.dev",
+    "https://lichtblick-suite.github.io",
+    "file://",
+];
+
+/// The origin of a page, `https://HOST` or `https://HOST:PORT`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct AppOrigin(String);
+
+impl std::str::FromStr for AppOrigin {
+    type Err = String;
+
+    /// Reads an origin as a browser sends it.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let lower = text.to_ascii_lowercase();
+        let authority = lower.strip_prefix("https://").or_else(|| lower.strip_prefix("http://"));
+        let plain =
+            |name: &str| !name.is_empty() && !name.contains(['/', '?', '#', '@', '*', ' ', ',']);
+        match authority {
+            Some(name) if plain(name) => Ok(Self(lower)),
+            _ => Err(format!(
+                "found {text:?}, expected the origin of one page, https://HOST or https://HOST:PORT"
+            )),
+        }
+    }
+}
 
 /// Why a request was refused.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -21,6 +55,19 @@ pub(super) enum OriginError {
         "origin {found:?} refused: expected a page of this server; open the console from the server itself"
     )]
     Origin {
+        /// The header that was sent.
+        found: String,
+    },
+    /// The page is none of the applications that may use the port for Foxglove.
+    #[error(
+        "origin {found:?} refused: expected {}, a page of this machine, or one named by --foxglove-origin",
+        KNOWN_APPS.join(", ")
+    )]
+    #[cfg_attr(
+        not(feature = "foxglove-ws"),
+        allow(dead_code, reason = "a build without the port for Foxglove asks no application")
+    )]
+    App {
         /// The header that was sent.
         found: String,
     },
@@ -53,6 +100,25 @@ pub(super) fn check_origin(origin: Option<&str>, host: Option<&str>) -> Result<(
     let same =
         is_loopback(page) || host.is_some_and(|host| host_name(host).eq_ignore_ascii_case(page));
     if matches!(scheme, "http" | "https") && same { Ok(()) } else { Err(refused()) }
+}
+
+/// Checks the `Origin` header of an upgrade on the port for Foxglove: a program sends none, and a page must be one of [`KNOWN_APPS`], of
+/// this machine, or among `more`.
+///
+/// # Errors
+/// [`OriginError::App`] for every other page.
+#[cfg_attr(
+    not(feature = "foxglove-ws"),
+    allow(dead_code, reason = "a build without the port for Foxglove asks no application")
+)]
+pub(super) fn check_app(origin: Option<&str>, more: &[AppOrigin]) -> Result<(), OriginError> {
+    let Some(found) = origin else { return Ok(()) };
+    let same = |known: &str| known.eq_ignore_ascii_case(found);
+    let known = KNOWN_APPS.into_iter().any(same) || more.iter().any(|AppOrigin(more)| same(more));
+    if known || check_origin(origin, None).is_ok() {
+        return Ok(());
+    }
+    Err(OriginError::App { found: shortened(found) })
 }
 
 /// Whether `name` is `localhost` or an address of the loopback interface.
@@ -116,6 +182,32 @@ mod tests {
             assert!(check_origin(Some(origin), Some("127.0.0.1:8080")).is_err(), "{origin}");
         }
         assert_eq!(check_origin(None, Some("127.0.0.1:8080")), Ok(()));
+    }
+
+    #[test]
+    fn the_port_for_foxglove_takes_known_applications_this_machine_and_named_pages() {
+        let more: Vec<AppOrigin> = vec!["https://Viewer.example:8443".parse().unwrap()];
+        for origin in KNOWN_APPS {
+            assert_eq!(check_app(Some(origin), &[]), Ok(()), "{origin}");
+        }
+        for origin in [None, Some("http://localhost:8080"), Some("http://[::1]:1")] {
+            assert_eq!(check_app(origin, &[]), Ok(()), "{origin:?}");
+        }
+        assert_eq!(check_app(Some("https://viewer.example:8443"), &more), Ok(()));
+        for foreign in [
+            "http://app.foxglove.dev",
+            "https://app.foxglove.dev.evil.example",
+            "https://evil.example",
+            "https://viewer.example",
+            "file://evil",
+            "null",
+            "",
+        ] {
+            assert!(check_app(Some(foreign), &more).is_err(), "{foreign}");
+        }
+        for text in ["evil.example", "https://", "https://*", "https://a/b", "null", "ftp://a"] {
+            assert!(text.parse::<AppOrigin>().is_err(), "{text}");
+        }
     }
 
     #[test]

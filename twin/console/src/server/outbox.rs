@@ -179,6 +179,11 @@ impl Outbox {
         self.farewell.get_or_insert(farewell);
     }
 
+    /// Whether the connection closes.
+    pub(super) fn is_closing(&self) -> bool {
+        self.farewell.is_some()
+    }
+
     /// Takes everything out of the outbox.
     pub(super) fn take(&mut self) -> OutboxContent {
         self.past_rows = 0;

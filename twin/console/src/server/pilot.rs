@@ -1,6 +1,7 @@
 //! The only thread that flies. It takes requests between two ticks and publishes each tick. It waits for the clock only, and
 //! never for a socket, a disk or a client.
 
+mod planning;
 mod recording;
 
 use std::sync::Arc;
@@ -9,6 +10,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
 use crate::server::ServerError;
+use crate::server::agenda::Agenda;
 use crate::server::command::{Command, Request};
 use crate::server::flight_recorder::{FlightRecorder, News};
 use crate::server::gains::Change;
@@ -42,6 +44,8 @@ pub(super) struct PilotOptions {
     pub start_paused: bool,
     /// Records the flights.
     pub flight_recorder: FlightRecorder,
+    /// The least time between two restarts.
+    pub restart_gap: Duration,
 }
 
 /// The kind of the first flight.
@@ -71,6 +75,7 @@ pub(super) struct Pilot {
     /// Number of ticks before the target of a seek that the thread must still fly, without pauses.
     warm_up: usize,
     changes: Vec<Change>,
+    agenda: Agenda,
     state_due: Instant,
     schema_id: u16,
 }
@@ -81,7 +86,8 @@ impl Pilot {
     /// # Errors
     /// [`ServerError`] if the scenario cannot be built or the recording cannot be created.
     pub(super) fn new(orders: PilotOptions) -> Result<Self, ServerError> {
-        let PilotOptions { mission, catalogue, speed, start_paused, flight_recorder } = orders;
+        let PilotOptions { mission, catalogue, speed, start_paused, flight_recorder, restart_gap } =
+            orders;
         let (served, warm_up) = match mission {
             FirstFlight::Fly(scenario) => (ServedFlight::new(*scenario)?, 0),
             FirstFlight::Mirror { mirrored, start_s } => {
@@ -95,10 +101,12 @@ impl Pilot {
         });
         let published = served.published(Arc::new(infos.collect()), speed, start_paused);
         let start = now();
+        let hub = Arc::new(Hub::new(published));
         let mut pilot = Self {
             served,
             catalogue,
-            hub: Arc::new(Hub::new(published)),
+            agenda: Agenda::new(restart_gap, Arc::clone(&hub.tally)),
+            hub,
             flight_recorder,
             pace: Pace::new(speed, start),
             meter: Meter::new(start),
@@ -125,13 +133,16 @@ impl Pilot {
         while !stop.load(Ordering::Relaxed) {
             match requests.recv_timeout(self.patience()) {
                 Ok(first) => {
-                    self.handle(first);
+                    self.plan(first);
                     for request in requests.try_iter() {
-                        self.handle(request);
+                        self.plan(request);
                     }
                 }
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => break,
+            }
+            while let Some(request) = self.agenda.next(now()) {
+                self.handle(request);
             }
             self.apply_changes();
             if self.warm_up > 0 {
@@ -180,6 +191,7 @@ impl Pilot {
     fn patience(&self) -> Duration {
         let now = now();
         let state = self.state_due.saturating_duration_since(now);
+        let state = self.agenda.patience(now).map_or(state, |due| due.min(state));
         match (self.is_flying(), self.steps) {
             (false, _) => state,
             _ if self.is_ahead() => EDGE_PATIENCE.min(state),
@@ -264,30 +276,9 @@ impl Pilot {
             Command::Speed(speed) => self.pace = Pace::new(speed, now()),
             Command::Disturb(disturbance) => self.served.disturb(&disturbance),
             Command::Seek(t_s) => self.seek(t_s, request.client),
-            Command::Restart { .. } if self.served.mirrored.is_some() => {
-                self.seek(0.0, request.client);
-            }
             Command::Restart { seed, scenario } => self.restart(seed, scenario, request.client),
         }
         self.state_due = now();
-    }
-
-    fn apply_changes(&mut self) {
-        if self.changes.is_empty() {
-            return;
-        }
-        let changes = std::mem::take(&mut self.changes);
-        let ServedFlight { presets, flight, next_tick, .. } = &mut self.served;
-        let applied = presets.apply(flight, changes, *next_tick);
-        let (preset, base) = (presets.preset(flight.tuning()), presets.base());
-        let gains = self.served.gains();
-        self.hub.publish(|published| {
-            published.gains = gains;
-            published.preset = preset;
-            published.base = base;
-            let echoes = applied.echoes.into_iter().map(ServerMessage::Gain);
-            echoes.chain(applied.list.map(ServerMessage::Gains)).collect()
-        });
     }
 
     fn restart(&mut self, seed: Option<u64>, name: Option<String>, client: Option<u64>) {

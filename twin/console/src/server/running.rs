@@ -7,7 +7,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use tokio::runtime::Runtime;
-use tokio::sync::oneshot;
+use tokio::sync::watch;
 
 use crate::server::hub::Hub;
 use crate::server::listen::Beside;
@@ -35,7 +35,7 @@ pub struct Running {
     pub(super) foxglove: Option<(SocketAddr, tokio::task::JoinHandle<()>)>,
     pub(super) hub: Arc<Hub>,
     pub(super) landing: Arc<AtomicBool>,
-    pub(super) shutdown: Option<oneshot::Sender<()>>,
+    pub(super) shutdown: watch::Sender<bool>,
     pub(super) flight: Option<JoinHandle<bool>>,
     pub(super) runtime: Option<Runtime>,
 }
@@ -67,7 +67,8 @@ impl Running {
     pub(super) fn open_beside(&mut self, beside: Beside, app: Arc<App>) -> Result<(), ServerError> {
         if let Some(runtime) = &self.runtime {
             let (host, port) = (self.address.ip(), beside.port);
-            let started = runtime.block_on(foxglove::start(host, beside, app));
+            let stopped = self.shutdown.subscribe();
+            let started = runtime.block_on(foxglove::start(host, beside, app, stopped));
             self.foxglove = Some(started.map_err(|why| ServerError::Foxglove { port, why })?);
         }
         Ok(())
@@ -105,10 +106,7 @@ impl Running {
             let _ =
                 runtime.block_on(async { tokio::time::timeout(SHUTDOWN_TIMEOUT, farewell).await });
         }
-        if let Some(shutdown) = self.shutdown.take() {
-            // The send fails only if the server task has ended already.
-            let _ = shutdown.send(());
-        }
+        self.shutdown.send_replace(true);
         if let Some(runtime) = self.runtime.take() {
             runtime.shutdown_timeout(SHUTDOWN_TIMEOUT);
         }

@@ -59,6 +59,20 @@ pub static SPEED: Quantity =
         .step(0.01)
         .sent_as(&["speed.value"]);
 
+/// Largest whole number that a double represents exactly; JSON would change a larger seed.
+const MAX_EXACT: f64 = 9_007_199_254_740_992.0;
+
+/// Seed of everything random: of a scenario, of the command line, or of a restart.
+pub static SEED: Quantity = Quantity::new(
+    "seed",
+    "",
+    [0.0, MAX_EXACT],
+    "start of everything random",
+    &["seed", "predictor.seed", "sweep.seed"],
+)
+.step(1.0)
+.sent_as(&["restart.seed"]);
+
 /// Time of a recording to go to.
 pub static SEEK_TIME: Quantity =
     Quantity::new("seek_time", "s", [0.0, 1e6], "time of a recording to go to", &[])
@@ -66,5 +80,5 @@ pub static SEEK_TIME: Quantity =
         .sent_as(&["seek.t_s"]);
 
 /// All quantities of this file.
-pub(super) static ALL: [&Quantity; 7] =
-    [&PAYLOAD_MASS, &WIND, &PUSH_FORCE, &PUSH_DURATION, &STEP_TICKS, &SPEED, &SEEK_TIME];
+pub(super) static ALL: [&Quantity; 8] =
+    [&PAYLOAD_MASS, &WIND, &PUSH_FORCE, &PUSH_DURATION, &STEP_TICKS, &SPEED, &SEED, &SEEK_TIME];

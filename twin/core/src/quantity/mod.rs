@@ -9,7 +9,9 @@ mod gains;
 mod slip;
 mod world;
 
-pub use change::{PAYLOAD_MASS, PUSH_DURATION, PUSH_FORCE, SEEK_TIME, SPEED, STEP_TICKS, WIND};
+pub use change::{
+    PAYLOAD_MASS, PUSH_DURATION, PUSH_FORCE, SEED, SEEK_TIME, SPEED, STEP_TICKS, WIND,
+};
 pub use gains::{
     ADAPTER_ON, BOUNDARY_LAYER, DAMPING_OF_ROTATION, DAMPING_OF_TRANSLATION, FORGETTING,
     INNOVATION_SMOOTHING, LEAK, RESET_ON, RESET_SCALE, RESET_THRESHOLD, RESIDUAL_BANDWIDTH,
@@ -123,6 +125,18 @@ impl Quantity {
 fn plain(value: f64) -> String {
     let text = format!("{value:?}");
     text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
+}
+
+/// A whole number as a double, rounded away from zero: a number beyond the end of a range never rounds to that end.
+pub fn whole(value: i128) -> f64 {
+    let nearest = value as f64;
+    if (nearest as i128).unsigned_abs() >= value.unsigned_abs() {
+        nearest
+    } else if value > 0 {
+        nearest.next_up()
+    } else {
+        nearest.next_down()
+    }
 }
 
 /// Every quantity.

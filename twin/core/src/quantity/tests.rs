@@ -53,6 +53,19 @@ fn a_list_has_the_bounds_of_its_key_and_rows_may_have_their_own() {
 }
 
 #[test]
+fn a_whole_number_beyond_a_range_does_not_round_into_it() {
+    let largest = 1_i128 << 53;
+    assert!(SEED.allows(whole(largest)) && SEED.allows(whole(0)));
+    for beyond in [largest + 1, largest + 3, i128::from(u64::MAX), -1] {
+        assert!(!SEED.allows(whole(beyond)), "{beyond}");
+    }
+    // These have exact doubles.
+    for exact in [0, 5, -5, largest - 1, largest + 2] {
+        assert_eq!(whole(exact) as i128, exact);
+    }
+}
+
+#[test]
 fn a_star_stands_for_part_of_one_segment() {
     assert!(fits_one("*_noise_m", "position_noise_m") && !fits_one("*_noise_m", "noise_m_s"));
     assert!(fits_one("*", "anything") && !fits_one("a*a", "a"));

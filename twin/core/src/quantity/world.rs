@@ -2,18 +2,8 @@
 
 use super::Quantity;
 
-/// Largest whole number that a double represents exactly; JSON would change a larger seed.
-const MAX_EXACT: f64 = 9_007_199_254_740_992.0;
-
 /// All quantities of this file.
 pub(super) static ALL: &[Quantity] = &[
-    Quantity::new(
-        "seed",
-        "",
-        [0.0, MAX_EXACT],
-        "start of everything random",
-        &["seed", "predictor.seed", "sweep.seed"],
-    ),
     // Vehicle.
     Quantity::new(
         "rotor_position",

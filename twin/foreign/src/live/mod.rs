@@ -6,6 +6,7 @@
 
 mod pulse;
 mod shared;
+mod backoff;
 mod socket;
 mod tail;
 mod parts;

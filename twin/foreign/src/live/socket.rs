@@ -16,13 +16,13 @@ use tungstenite::http::HeaderValue;
 use tungstenite::{Message, WebSocket};
 
 use super::Shared;
+use super::backoff::Backoff;
 
 /// Sub-protocols in order of preference.
 const PROTOCOLS: &str = "foxglove.sdk.v1, foxglove.websocket.v1";
 
-/// Time-out of a connection attempt, and pause before the next attempt.
+/// Time-out of a connection attempt.
 const CONNECT: Duration = Duration::from_secs(2);
-const AGAIN: Duration = Duration::from_millis(300);
 
 /// Time-out of a read; after each the client checks whether it should stop.
 const READ: Duration = Duration::from_millis(100);
@@ -70,15 +70,16 @@ struct Advertised {
 /// Connects, and reconnects, until it is told to stop.
 pub(super) fn listen(shared: &Shared, url: &str) {
     let mut numbers = Numbers::default();
+    let mut backoff = Backoff::default();
     while !shared.is_stopped() {
         let end = connect(url).and_then(|mut socket| {
             shared.is_connected();
-            read(shared, &mut socket, &mut numbers)
+            read(shared, &mut socket, &mut numbers, &mut backoff)
         });
         if let Err(why) = end {
             shared.is_lost(&why);
         }
-        shared.pause(AGAIN);
+        shared.pause(backoff.pause());
     }
 }
 
@@ -127,6 +128,7 @@ fn read(
     shared: &Shared,
     socket: &mut WebSocket<TcpStream>,
     numbers: &mut Numbers,
+    backoff: &mut Backoff,
 ) -> Result<(), String> {
     let mut subscribed = Subscribed::default();
     let mut quiet = 0;
@@ -141,7 +143,11 @@ fn read(
                     socket.send(Message::text(answer)).map_err(|error| error.to_string())?;
                 }
             }
-            Ok(Message::Binary(bytes)) => subscribed.data(shared, &bytes),
+            Ok(Message::Binary(bytes)) => {
+                if subscribed.data(shared, &bytes) {
+                    backoff.reset();
+                }
+            }
             Ok(Message::Close(frame)) => {
                 let why = frame.map_or_else(String::new, |frame| frame.reason.to_string());
                 return Err(format!("the server closed the connection {why}"));
@@ -237,23 +243,24 @@ impl Subscribed {
         })
     }
 
-    fn data(&self, shared: &Shared, bytes: &[u8]) {
-        let Some((head, data)) = bytes.split_at_checked(DATA_HEAD_BYTES) else { return };
+    /// Takes a binary message; returns whether it was data of a subscription.
+    fn data(&self, shared: &Shared, bytes: &[u8]) -> bool {
+        let Some((head, data)) = bytes.split_at_checked(DATA_HEAD_BYTES) else { return false };
         let (Some(subscription), Some(time)) =
             (head[1..].first_chunk::<4>(), head[5..].first_chunk::<8>())
         else {
-            return;
+            return false;
         };
         let channel = self.channels.get(&u32::from_le_bytes(*subscription));
-        if let (MESSAGE_DATA, Some(channel_id)) = (head[0], channel) {
-            let log_time = u64::from_le_bytes(*time);
-            let header = MessageHeader {
-                channel_id: *channel_id,
-                sequence: 0,
-                log_time,
-                publish_time: log_time,
-            };
-            shared.take(Record::Message { header, data: data.into() });
-        }
+        let (MESSAGE_DATA, Some(channel_id)) = (head[0], channel) else { return false };
+        let log_time = u64::from_le_bytes(*time);
+        let header = MessageHeader {
+            channel_id: *channel_id,
+            sequence: 0,
+            log_time,
+            publish_time: log_time,
+        };
+        shared.take(Record::Message { header, data: data.into() });
+        true
     }
 }

@@ -5,11 +5,14 @@
 //! gains as parameters, the timeline of a mirrored recording ([`playback`]), and the vehicle's files ([`assets`]). A parameter
 //! passes the same check and the same queue as a gain of the console. The flight never waits for this server: the server reads
 //! from its own bounded outbox, and each Foxglove client has a bounded backlog that drops its oldest messages.
+//!
+//! Clients reach Foxglove's own server through [`front`], which decides who may connect, as the console does.
 
 mod assets;
 mod topics;
 mod parameters;
 mod playback;
+mod front;
 
 use std::net::{IpAddr, SocketAddr};
 use std::sync::Arc;
@@ -21,9 +24,9 @@ use foxglove::websocket::{
     Status,
 };
 use foxglove::{Context, WebSocketServer, WebSocketServerHandle};
+use tokio::sync::{mpsc, watch};
 use tokio::task::JoinHandle;
 
-use crate::server::App;
 use crate::server::foxglove::assets::Assets;
 use crate::server::foxglove::parameters::{Gains, parameters};
 use crate::server::foxglove::playback::{PlaybackFilter, PlaybackRequests};
@@ -33,6 +36,7 @@ use crate::server::listen::Beside;
 use crate::server::outbox::{Message, OutboxContent};
 use crate::server::protocol::ServerMessage;
 use crate::server::telemetry::Telemetry;
+use crate::server::{App, accept, listen};
 
 /// The least time between two batches.
 const GAP: Duration = Duration::from_millis(5);
@@ -71,15 +75,18 @@ impl ServerListener for Listener {
 /// Listens on the port of `beside`; returns the address and the server's task, which ends when the hub closes all clients.
 ///
 /// # Errors
-/// A sentence if the server cannot listen on the port, or if the hub has no room for another client.
+/// A sentence if the server cannot listen on the port.
 pub(super) async fn start(
     host: IpAddr,
-    Beside { port, vehicles, recorded_joints }: Beside,
+    Beside { port, origins, vehicles, recorded_joints }: Beside,
     app: Arc<App>,
+    stopped: watch::Receiver<bool>,
 ) -> Result<(SocketAddr, JoinHandle<()>), String> {
-    let bridge = app.hub.join().ok_or("too many clients")?;
+    let listener = listen::bind(SocketAddr::new(host, port)).map_err(|error| error.to_string())?;
+    let address = listener.local_addr().map_err(|error| error.to_string())?;
+    let bridge = app.hub.join();
     let playback = PlaybackRequests::new(&app, &bridge).map(Arc::new);
-    let listener = Arc::new(Listener {
+    let hearer = Arc::new(Listener {
         bridge: Arc::clone(&bridge),
         waiting: AtomicBool::new(false),
         playback: playback.clone(),
@@ -89,26 +96,29 @@ pub(super) async fn start(
     let assets = Assets::new(Arc::clone(&app.hub), Arc::clone(&vehicles));
     let mut server = WebSocketServer::new()
         .name("twin")
-        .bind(if host.is_ipv6() { format!("[{host}]") } else { host.to_string() }, port)
         .context(&context)
         .capabilities([Capability::Time])
         .message_backlog_size(BACKLOG)
-        .listener(Arc::clone(&listener) as Arc<dyn ServerListener>)
+        .listener(Arc::clone(&hearer) as Arc<dyn ServerListener>)
         .fetch_asset_handler_blocking_fn(move |_, address: String| assets.read(&address))
         .parameter_handler(Arc::new(Gains::new(Arc::clone(&app), Arc::clone(&bridge))));
     if let Some(playback) = &playback {
         let (start, end) = playback.range();
         server = server.playback_time_range(start, end);
     }
-    let server = server.start().await.map_err(|error| {
+    let inside = front::inside_host().await;
+    let server = server.bind(inside.to_string(), 0).start().await.map_err(|error| {
         app.hub.leave(bridge.id);
         error.to_string()
     })?;
-    let address = SocketAddr::new(host, server.port());
+    let inside = SocketAddr::new(inside, server.port());
+    let (open, closed) = mpsc::channel(1);
+    let front = front::routes(Arc::clone(&app), inside, origins, open);
+    tokio::spawn(accept::serve(listener, front, Arc::clone(&app.admission), stopped));
     let film = playback.map(PlaybackFilter::new);
     let topics = Topics::new(&context, vehicles, recorded_joints);
-    let publisher = Publisher { server, topics, film };
-    Ok((address, tokio::spawn(publisher.run(listener, app))))
+    let publisher = Publisher { server, topics, film, closed };
+    Ok((address, tokio::spawn(publisher.run(hearer, app))))
 }
 
 /// Passes on to Foxglove's clients what the hub gives to its clients.
@@ -116,6 +126,8 @@ struct Publisher {
     server: WebSocketServerHandle,
     topics: Topics,
     film: Option<PlaybackFilter>,
+    /// Ends when no client is connected.
+    closed: mpsc::Receiver<()>,
 }
 
 impl Publisher {
@@ -137,7 +149,11 @@ impl Publisher {
         }
         app.hub.leave(bridge.id);
         // Clients that do not receive the end in time lose their connection when the runtime stops.
-        let _ = tokio::time::timeout(CLOSING, self.server.stop().wait()).await;
+        let told = async {
+            self.server.stop().wait().await;
+            while self.closed.recv().await.is_some() {}
+        };
+        let _ = tokio::time::timeout(CLOSING, told).await;
     }
 
     fn tell(&mut self, parcel: OutboxContent) {

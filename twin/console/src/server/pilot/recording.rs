@@ -48,6 +48,8 @@ impl Pilot {
     /// Goes to the time `t_s` of the recording, s; the gains in force stay. `client` gets the notice if the seek is refused.
     pub(super) fn seek(&mut self, t_s: f64, client: Option<u64>) {
         if let Some(mirrored) = self.served.mirrored.clone() {
+            // Gains that were set before the seek stay in force after it.
+            self.apply_changes();
             self.go_to(&mirrored, t_s, client);
         }
     }

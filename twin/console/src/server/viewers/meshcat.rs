@@ -3,11 +3,10 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use axum::extract::ws::Message as Frame;
 use rmpv::Value;
 
 use crate::server::App;
-use crate::server::client::{Dialect, shown};
+use crate::server::client::{Dialect, Frame, shown};
 use crate::server::hub::Client;
 use crate::server::outbox::{Message, OutboxContent};
 use crate::server::protocol::{ClientMessage, ServerMessage};
@@ -101,7 +100,7 @@ impl Dialect for MeshCat {
     fn hear(&self, frame: &Frame, client: &Client, app: &App) {
         // A viewer sends text only as the answer to a command that this server never sends.
         let Frame::Binary(bytes) = frame else { return };
-        let Some(event) = understood(bytes, client) else { return };
+        let Some(event) = understood(bytes, client, app) else { return };
         let name = pack::text(&event, "name").unwrap_or_default();
         match pack::text(&event, "type") {
             Some("slider") => {

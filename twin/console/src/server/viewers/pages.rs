@@ -5,8 +5,6 @@ use std::sync::Arc;
 
 use axum::Router;
 use axum::extract::State;
-use axum::extract::ws::WebSocketUpgrade;
-use axum::extract::ws::rejection::WebSocketUpgradeRejection;
 use axum::http::header::{
     CACHE_CONTROL, CONTENT_SECURITY_POLICY, CONTENT_TYPE, SEC_WEBSOCKET_PROTOCOL,
 };
@@ -16,6 +14,7 @@ use axum::routing::get;
 
 use crate::server::App;
 use crate::server::client::connect;
+use crate::server::socket::{NoUpgrade, Upgrade};
 use crate::server::viewers::meshcat::MeshCat;
 use crate::server::viewers::viser::Viser;
 use crate::server::viewers::{DRAKE, MESHCAT, VISER, Wheel};
@@ -54,12 +53,12 @@ async fn meshcat_script(State(app): State<Arc<App>>) -> Response {
 
 /// Drake's page, or its socket at the same path.
 async fn drake(
-    upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
+    upgrade: Result<Upgrade, NoUpgrade>,
     State(app): State<Arc<App>>,
     headers: HeaderMap,
 ) -> Response {
     match upgrade {
-        Ok(upgrade) => connect(upgrade, &headers, app, MeshCat::default()),
+        Ok(upgrade) => connect(upgrade, app, MeshCat::default()),
         Err(refused) if headers.contains_key("upgrade") => refused.into_response(),
         Err(_) => file(&app, DRAKE, "index.html", HTML).await,
     }
@@ -71,7 +70,7 @@ async fn drake_script(State(app): State<Arc<App>>) -> Response {
 
 /// viser's page, or its socket at the same path.
 async fn viser(
-    upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
+    upgrade: Result<Upgrade, NoUpgrade>,
     State(app): State<Arc<App>>,
     headers: HeaderMap,
 ) -> Response {
@@ -88,7 +87,7 @@ async fn viser(
                     VISER.version
                 );
             }
-            connect(upgrade.protocols([protocol]), &headers, app, Viser::default())
+            connect(upgrade.protocol(&protocol), app, Viser::default())
         }
         Err(refused) if headers.contains_key("upgrade") => refused.into_response(),
         Err(_) => file(&app, VISER, "index.html", HTML).await,

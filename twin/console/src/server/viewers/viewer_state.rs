@@ -2,9 +2,11 @@
 
 use rmpv::Value;
 
-use crate::server::client::shown;
+use crate::server::App;
+use crate::server::client::{refuse_data, shown};
 use crate::server::hub::Client;
 use crate::server::published::Published;
+use crate::server::socket::code;
 use crate::server::telemetry::{Picture, Telemetry};
 use crate::server::viewers::controls::Sliders;
 use crate::server::viewers::drawing::{Drawing, SentPoses};
@@ -59,12 +61,10 @@ impl ViewerState {
 }
 
 /// Decodes a message of a client; closes the connection if the message cannot be decoded.
-pub(super) fn understood(bytes: &[u8], client: &Client) -> Option<Value> {
+pub(super) fn understood(bytes: &[u8], client: &Client, app: &App) -> Option<Value> {
     let said = pack::decode(bytes);
-    said.inspect_err(|why| not_understood(why, client)).ok()
-}
-
-/// Closes the connection of a client whose message was not understood; `why` goes into the reason.
-pub(super) fn not_understood(why: &str, client: &Client) {
-    client.close(1007, format!("message not understood: {}", shown(why, REASON_CHARACTERS)));
+    said.inspect_err(|why| {
+        refuse_data(code::INVALID, &shown(why, REASON_CHARACTERS), client, app);
+    })
+    .ok()
 }

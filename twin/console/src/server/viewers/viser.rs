@@ -3,21 +3,21 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use axum::extract::ws::Message as Frame;
 use rmpv::Value;
 
 use crate::server::App;
-use crate::server::client::{Dialect, shown};
+use crate::server::client::{Dialect, Frame, refuse_data, shown};
 use crate::server::hub::Client;
 use crate::server::outbox::{Message, OutboxContent};
 use crate::server::protocol::{ClientMessage, EventInfo, ServerMessage};
 use crate::server::published::Published;
+use crate::server::socket::code;
 use crate::server::telemetry::Telemetry;
 use crate::server::viewers::attitude_marks::AttitudeMarks;
 use crate::server::viewers::chart::History;
 use crate::server::viewers::controls::Button;
 use crate::server::viewers::pack::{self, map, numbers};
-use crate::server::viewers::viewer_state::{ViewerState, not_understood, understood};
+use crate::server::viewers::viewer_state::{ViewerState, understood};
 use crate::server::viewers::viser_frame::Batch;
 use crate::server::viewers::viser_move::Mover;
 use crate::server::viewers::viser_panel::{self as panel, BUTTON, CHARTS, GAIN, SCENARIO, SHOW};
@@ -96,9 +96,9 @@ impl Dialect for Viser {
 
     fn hear(&self, frame: &Frame, client: &Client, app: &App) {
         let Frame::Binary(bytes) = frame else {
-            return not_understood("it is text, expected binary", client);
+            return refuse_data(code::UNSUPPORTED, "text, expected a binary message", client, app);
         };
-        let Some(message) = understood(bytes, client) else { return };
+        let Some(message) = understood(bytes, client, app) else { return };
         // The client also sends messages about its camera, clicks and drags.
         if pack::text(&message, "type") == Some("GuiUpdateMessage") {
             let id = pack::text(&message, "uuid").unwrap_or_default();
