@@ -10,6 +10,8 @@ pub mod scene;
 mod recording_info;
 pub mod lossless;
 #[cfg(feature = "files")]
+pub mod pieces;
+#[cfg(feature = "files")]
 pub mod recording;
 #[cfg(feature = "files")]
 pub mod views;
