@@ -9,6 +9,8 @@ mod shared;
 mod socket;
 mod tail;
 mod parts;
+#[cfg(test)]
+mod many_tests;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
