@@ -49,6 +49,7 @@ use twin_core::flight::{Flight, Parts};
 use twin_core::residual::PredictorInfo;
 use twin_core::residual::weights::WeightsError;
 use twin_core::tuning::Tuning;
+use twin_input::budget::URDF_BYTES;
 use twin_record::RecordingInfo;
 use twin_record::scene::Scene;
 
@@ -169,7 +170,7 @@ impl Scenario {
     /// [`BuildError::Unreadable`] if it cannot be read.
     pub fn urdf_text(&self) -> Result<String, BuildError> {
         let path = self.folder().join(&self.settings.vehicle.urdf);
-        std::fs::read_to_string(&path).map_err(|error| BuildError::Unreadable {
+        twin_input::file::read_text(&path, URDF_BYTES).map_err(|error| BuildError::Unreadable {
             file: path.display().to_string(),
             reason: error.to_string(),
         })
