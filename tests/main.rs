@@ -12,3 +12,4 @@ mod plant;
 mod reading;
 mod scenarios;
 mod server;
+mod untrusted;
