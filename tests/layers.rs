@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 
 /// For each crate below `twin/`, from the lowest to the highest, the crates of this workspace that it may use.
 const CRATES: &[(&str, &[&str])] = &[
+    ("input", &[]),
     ("core", &[]),
-    ("plant", &["core"]),
-    ("record", &["core", "plant"]),
-    ("foreign", &["core", "plant", "record"]),
-    ("scenario", &["core", "plant", "record"]),
-    ("console", &["core", "foreign", "plant", "record", "scenario"]),
-    ("lab", &["core", "foreign", "record", "scenario"]),
+    ("plant", &["core", "input"]),
+    ("record", &["core", "input", "plant"]),
+    ("foreign", &["core", "input", "plant", "record"]),
+    ("scenario", &["core", "input", "plant", "record"]),
+    ("console", &["core", "foreign", "input", "plant", "record", "scenario"]),
+    ("lab", &["core", "foreign", "input", "record", "scenario"]),
 ];
 
 /// For each module of `core` the other modules of `core` that it may use.

@@ -15,3 +15,4 @@ mod plant;
 mod reading;
 mod scenarios;
 mod server;
+mod untrusted;

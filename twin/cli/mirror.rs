@@ -206,6 +206,11 @@ fn live(args: &MirrorArgs) -> anyhow::Result<Option<From>> {
         "{}: a stream has no end, so --headless cannot fly it to its end; leave --headless out, or mirror a recording",
         args.file.display()
     );
+    if args.follow {
+        // A file that is not there yet may appear; anything but a file never becomes a recording.
+        let kind = twin_input::file::check_kind(&args.file);
+        kind.with_context(|| format!("{}: cannot be followed", args.file.display()))?;
+    }
     Ok(if address {
         Some(From::Socket(args.file.display().to_string()))
     } else {

@@ -29,6 +29,7 @@ use std::process::ExitCode;
 use anyhow::Context;
 use clap::{Args, Parser, Subcommand};
 use twin_core::residual::weights::Weights;
+use twin_input::budget::WEIGHTS_BYTES;
 use twin_record::interruption::{self, Signal};
 use twin_record::output::{OutputError, Outputs, note};
 use twin_scenario::Verdict;
@@ -60,7 +61,9 @@ const EXAMPLES: &str = "Examples:
   twin recover cut.mcap -o whole.mcap           everything readable of a damaged or unfinished recording
   twin check scenarios/*.toml urdf/*.urdf       are these files usable?
   twin train flights/*.mcap                     the residual's model from recorded flights
-  twin viewers fetch                            the stock viewers, for /meshcat/ and /viser";
+  twin viewers fetch                            the stock viewers, for /meshcat/ and /viser
+
+Every input is a regular file: pipes, devices and standard input are not read. What a file may hold has limits, which errors name.";
 
 #[derive(Subcommand)]
 enum Command {
@@ -247,7 +250,7 @@ fn print(
 
 /// Reads the weights in `file`.
 fn read_weights(file: &Path) -> anyhow::Result<Weights> {
-    let bytes = std::fs::read(file).with_context(|| {
+    let bytes = twin_input::file::read(file, WEIGHTS_BYTES).with_context(|| {
         format!("{}: cannot be read; make weights with `twin train`", file.display())
     })?;
     Weights::from_bytes(&bytes).with_context(|| file.display().to_string())

@@ -6,6 +6,7 @@ use anyhow::Context;
 use clap::{Args, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 use twin_console::replay;
+use twin_input::budget::REPORT_BYTES;
 use twin_record::interruption;
 use twin_record::output::{Output, Outputs, note};
 use twin_scenario::suite::{
@@ -201,7 +202,7 @@ fn replay_page(recording: &Path, report: &Report) -> Result<(String, f64), Strin
 
 fn merged(args: &MergeArgs) -> anyhow::Result<End> {
     let read = |path: &PathBuf| {
-        let text = std::fs::read_to_string(path)
+        let text = twin_input::file::read_text(path, REPORT_BYTES)
             .with_context(|| format!("{}: cannot be read", path.display()))?;
         let report = serde_json::from_str(&text)
             .with_context(|| format!("{}: not the output of twin test --json", path.display()))?;

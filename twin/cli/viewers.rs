@@ -8,6 +8,7 @@ use anyhow::{Context, bail};
 use clap::{Args, Subcommand};
 use sha2::{Digest, Sha256};
 use twin_console::server::viewers::{DRAKE, MESHCAT, VISER, Wheel};
+use twin_input::budget::VIEWER_BYTES;
 use twin_record::output::{install, make_folder, note};
 
 use super::End;
@@ -88,7 +89,8 @@ fn fetch_into(wheel: &Wheel, folder: &Path, work: &Path) -> anyhow::Result<()> {
     python(&[&download, &flags[..], &tags, &[&pinned]].concat(), work)
         .context("pip could not download it; python3 with pip and a network are needed, once")?;
     let file = work.join(wheel.file_name());
-    let bytes = std::fs::read(&file).with_context(|| format!("pip left no {}", file.display()))?;
+    let bytes = twin_input::file::read(&file, VIEWER_BYTES)
+        .with_context(|| format!("pip left no {}", file.display()))?;
     check(wheel, &bytes)?;
     // Only the files that are kept: a whole wheel takes up to 200 MB.
     let kept: Vec<&str> = wheel.files.iter().map(|(path, _)| *path).collect();

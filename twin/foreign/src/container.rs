@@ -6,21 +6,10 @@
 
 use std::io::Read;
 
-use super::findings::fill;
 pub use super::findings::{ContainerError, Findings};
 use mcap::records::Record;
-use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
-
-/// Largest size of a record or a chunk that is read, bytes.
-pub(super) const LONGEST_RECORD_BYTES: u64 = 256 << 20;
-
-/// Opcodes that this module handles itself: footer, chunk, end of the data section.
-pub(super) const FOOTER: u8 = 0x02;
-pub(super) const CHUNK: u8 = 0x06;
-pub(super) const DATA_END: u8 = 0x0F;
-
-/// Bytes of opcode and length, which precede every record.
-pub(super) const HEAD_BYTES: usize = 9;
+use twin_input::Inflation;
+use twin_record::pieces::{CHUNK, DATA_END, FOOTER, HEAD_BYTES, Next, next, unpack};
 
 /// Reads `input` to its end, or to the first byte where the file is broken. `on` receives every schema, channel, message and
 /// metadata record.
@@ -42,24 +31,24 @@ pub fn read(
     let mut findings = Findings::default();
     let mut record = Vec::new();
     let mut offset = mcap::MAGIC.len() as u64;
+    let mut inflation = Inflation::default();
     loop {
-        match next(input, &mut record)? {
+        let next = next(input, &mut record)?;
+        if let Some(damage) = next.damage(offset) {
+            findings.problem(damage);
+            return Ok(findings);
+        }
+        match next {
             Next::Record => {
-                if !take(&record, offset, &mut findings, on) {
+                if !take((&record, offset), &mut findings, &mut inflation, on) {
                     if record[0] == DATA_END {
                         unused(input, &mut record, on);
                     }
                     return Ok(findings);
                 }
             }
-            Next::TooLong(length) => {
-                findings.problem(format!(
-                    "record at byte {offset} claims {length} bytes, at most {LONGEST_RECORD_BYTES} are read: the file is damaged from there on"
-                ));
-                return Ok(findings);
-            }
-            Next::End => {
-                cut_off(&record, offset, &mut findings, on);
+            _ => {
+                cut_off((&record, offset), &mut findings, &mut inflation, on);
                 return Ok(findings);
             }
         }
@@ -67,35 +56,11 @@ pub fn read(
     }
 }
 
-enum Next {
-    /// One whole record with its head.
-    Record,
-    /// A record that claims more bytes than any recorder writes; its claimed length.
-    TooLong(u64),
-    /// The file ends here. The buffer contains the incomplete last record, if any.
-    End,
-}
-
-/// Reads the next record with its head into `record`.
-fn next(input: &mut impl Read, record: &mut Vec<u8>) -> std::io::Result<Next> {
-    record.clear();
-    fill(input, HEAD_BYTES as u64, record)?;
-    let Some(length) = record.get(1..HEAD_BYTES).and_then(|bytes| bytes.try_into().ok()) else {
-        return Ok(Next::End);
-    };
-    let length = u64::from_le_bytes(length);
-    if length > LONGEST_RECORD_BYTES {
-        return Ok(Next::TooLong(length));
-    }
-    let whole = fill(input, length, record)?;
-    Ok(if whole { Next::Record } else { Next::End })
-}
-
 /// Handles one record of the file; returns false after the end of the data section.
 fn take(
-    record: &[u8],
-    offset: u64,
+    (record, offset): (&[u8], u64),
     findings: &mut Findings,
+    inflation: &mut Inflation,
     on: &mut dyn FnMut(Record<'_>),
 ) -> bool {
     let (opcode, body) = (record[0], &record[HEAD_BYTES..]);
@@ -106,7 +71,7 @@ fn take(
             false
         }
         CHUNK => {
-            chunk(record, offset, findings, on);
+            chunk((record, offset), findings, inflation, on);
             true
         }
         _ => {
@@ -138,13 +103,18 @@ fn unused(input: &mut impl Read, record: &mut Vec<u8>, on: &mut dyn FnMut(Record
 }
 
 /// Passes on all records of a whole chunk, or none of them if the chunk is damaged.
-fn chunk(record: &[u8], offset: u64, findings: &mut Findings, on: &mut dyn FnMut(Record<'_>)) {
+fn chunk(
+    (record, offset): (&[u8], u64),
+    findings: &mut Findings,
+    inflation: &mut Inflation,
+    on: &mut dyn FnMut(Record<'_>),
+) {
     if let Ok(Record::Chunk { header, .. }) = mcap::parse_record(CHUNK, &record[HEAD_BYTES..]) {
         let name = if header.compression.is_empty() { "none".into() } else { header.compression };
         findings.compressions.insert(name);
     }
     let mut seen = 0_u64;
-    let end = unpack(record, true, &mut |record| {
+    let end = unpack(record, true, inflation, &mut |record| {
         seen += 1;
         on(record);
     });
@@ -160,11 +130,16 @@ fn chunk(record: &[u8], offset: u64, findings: &mut Findings, on: &mut dyn FnMut
 }
 
 /// Reads the incomplete last record of a file that ends too early.
-fn cut_off(rest: &[u8], offset: u64, findings: &mut Findings, on: &mut dyn FnMut(Record<'_>)) {
+fn cut_off(
+    (rest, offset): (&[u8], u64),
+    findings: &mut Findings,
+    inflation: &mut Inflation,
+    on: &mut dyn FnMut(Record<'_>),
+) {
     let mut seen = 0_u64;
     if rest.first() == Some(&CHUNK) && rest.len() > HEAD_BYTES {
-        // The error is always the early end, which the problem below reports.
-        let _ = unpack(rest, false, &mut |record| {
+        // The error is the early end, which the problem below reports.
+        let _ = unpack(rest, false, inflation, &mut |record| {
             seen += 1;
             on(record);
         });
@@ -173,30 +148,4 @@ fn cut_off(rest: &[u8], offset: u64, findings: &mut Findings, on: &mut dyn FnMut
         "the file ends at byte {} without an end of its data: the recorder was stopped or the copy is not whole; {seen} records of the last piece could be used",
         offset + rest.len() as u64
     ));
-}
-
-/// Passes on the records inside a chunk record. With `checked` the checksum is compared before `on` sees the first record.
-pub(super) fn unpack(
-    mut bytes: &[u8],
-    checked: bool,
-    on: &mut dyn FnMut(Record<'_>),
-) -> Result<(), mcap::McapError> {
-    let options = LinearReaderOptions::default()
-        .with_skip_start_magic(true)
-        .with_skip_end_magic(true)
-        .with_prevalidate_chunk_crcs(checked)
-        .with_record_length_limit(LONGEST_RECORD_BYTES as usize);
-    let mut reader = LinearReader::new_with_options(options);
-    while let Some(event) = reader.next_event() {
-        match event? {
-            LinearReadEvent::ReadRequest(wanted) => {
-                let (part, rest) = bytes.split_at(wanted.min(bytes.len()));
-                reader.insert(part.len()).copy_from_slice(part);
-                reader.notify_read(part.len());
-                bytes = rest;
-            }
-            LinearReadEvent::Record { opcode, data } => on(mcap::parse_record(opcode, data)?),
-        }
-    }
-    Ok(())
 }

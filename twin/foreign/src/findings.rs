@@ -1,9 +1,9 @@
 //! What the reader of a recording found: the form of the container, its damage in words, and the errors that prevent reading.
 
 use std::collections::BTreeSet;
-use std::io::{ErrorKind, Read};
 
 use serde::Serialize;
+use twin_input::InputError;
 
 /// Largest number of problems that are stored as text; further problems are only counted.
 const MOST_PROBLEMS: usize = 20;
@@ -45,9 +45,9 @@ impl Findings {
 /// Why a file cannot be read at all.
 #[derive(Debug, thiserror::Error)]
 pub enum ContainerError {
-    /// The system refuses to read the file.
+    /// The file cannot be opened or read.
     #[error("cannot be read: {0}; check the path and the permissions")]
-    Unreadable(#[from] std::io::Error),
+    Unreadable(#[from] InputError),
     /// The file is neither MCAP nor ULog.
     #[error("not an MCAP file: it starts with {found:?}, expected {expected:?} (or a ULog, which starts with \"ULog\"); check the path, or convert it with the `mcap` tool", expected = mcap::MAGIC.escape_ascii().to_string())]
     NotMcap {
@@ -56,15 +56,8 @@ pub enum ContainerError {
     },
 }
 
-/// Appends `length` bytes of the input to the buffer; returns false if the input ends before that.
-pub(super) fn fill(
-    input: &mut impl Read,
-    length: u64,
-    record: &mut Vec<u8>,
-) -> std::io::Result<bool> {
-    match input.take(length).read_to_end(record) {
-        Ok(read) => Ok(read as u64 == length),
-        Err(error) if error.kind() == ErrorKind::UnexpectedEof => Ok(false),
-        Err(error) => Err(error),
+impl From<std::io::Error> for ContainerError {
+    fn from(error: std::io::Error) -> Self {
+        Self::Unreadable(error.into())
     }
 }

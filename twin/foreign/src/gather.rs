@@ -3,19 +3,18 @@
 //! In: a recording and a [`Map`]. Out: one [`Track`] per channel and quantity.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::Read;
 use std::ops::Deref;
+use std::sync::Arc;
 
 use mcap::records::Record;
 
-use super::cdr;
 use super::container::{self, ContainerError};
-use super::protobuf::Descriptor;
-use super::schema::Layout;
+use super::form::{Form, Forms};
+use super::message_definitions::MessageDefinitions;
 use super::topics::{Fields, Map, Quantity, Rule, TimeSource};
-use super::ulog;
 use super::value::{Path, Value};
+use twin_input::{Reader, work};
 
 /// The numbers of one message in SI units, in the axes of its topic.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,6 +51,7 @@ pub struct Track {
 impl Track {
     /// A copy of the track without its samples.
     pub(super) fn bare(&self) -> Self {
+        work::steps(1);
         Self {
             topic: self.topic.clone(),
             schema: self.schema.clone(),
@@ -77,7 +77,7 @@ pub struct Gathered {
 /// # Errors
 /// [`ContainerError`] if the file cannot be read.
 pub fn gather(file: &std::path::Path, map: &Map) -> Result<Gathered, ContainerError> {
-    gather_from(&mut BufReader::new(File::open(file)?), map)
+    gather_from(&mut Reader::open(file)?, map)
 }
 
 /// Reads the quantities that `map` asks for from any input.
@@ -91,16 +91,8 @@ pub fn gather_from(input: &mut impl Read, map: &Map) -> Result<Gathered, Contain
 }
 
 #[derive(Debug)]
-enum Form {
-    Cdr(Layout),
-    Ulog(Layout),
-    Protobuf(Descriptor),
-    Json,
-}
-
-#[derive(Debug)]
 struct Channel {
-    form: Form,
+    form: Arc<Form>,
     topic: String,
     time: Option<(bool, Path)>,
     quantities: Vec<Extract>,
@@ -123,23 +115,35 @@ pub(super) struct MessageDecoder<M> {
     map: M,
     /// The only channels to decode, if given.
     only: Option<BTreeSet<u16>>,
-    schemas: BTreeMap<u16, (String, String, Vec<u8>)>,
+    schemas: MessageDefinitions,
+    forms: Forms,
     channels: BTreeMap<u16, Channel>,
+    /// Channels that cannot be decoded: the summary of a file defines its channels a second time.
+    refused: BTreeSet<u16>,
     notes: Vec<String>,
 }
 
 impl<M: Deref<Target = Map>> MessageDecoder<M> {
     /// A collector for all channels that `map` asks for, restricted to `only` if given.
     pub(super) fn new(map: M, only: Option<BTreeSet<u16>>) -> Self {
-        let (schemas, channels) = (BTreeMap::new(), BTreeMap::new());
-        Self { map, only, schemas, channels, notes: Vec::new() }
+        Self {
+            map,
+            only,
+            schemas: MessageDefinitions::default(),
+            forms: Forms::default(),
+            channels: BTreeMap::new(),
+            refused: BTreeSet::new(),
+            notes: Vec::new(),
+        }
     }
 
     pub(super) fn take(&mut self, record: Record<'_>) {
         match record {
             Record::Schema { header, data } => {
-                let schema = (header.name, header.encoding, data.into_owned());
-                self.schemas.insert(header.id, schema);
+                let number = header.id;
+                if self.schemas.take(header, &data) {
+                    self.forms.forget(number);
+                }
             }
             Record::Channel(channel) => self.open(&channel),
             Record::Message { header, data } => {
@@ -157,6 +161,18 @@ impl<M: Deref<Target = Map>> MessageDecoder<M> {
         tracks.map(Track::bare).collect()
     }
 
+    /// The tracks of one channel without their samples.
+    pub(super) fn empty_tracks_of(&self, channel: u16) -> Vec<Track> {
+        let tracks = self.channels.get(&channel).map_or(&[][..], |channel| &channel.tracks);
+        tracks.iter().map(Track::bare).collect()
+    }
+
+    /// Removes and returns the samples of one channel since the last call, per track.
+    pub(super) fn drain_of(&mut self, channel: u16) -> Vec<Vec<Sample>> {
+        let tracks = self.channels.get_mut(&channel).map_or(&mut [][..], |c| &mut c.tracks);
+        tracks.iter_mut().map(|track| std::mem::take(&mut track.samples)).collect()
+    }
+
     /// Removes and returns the samples since the last call, per track.
     pub(super) fn drain(&mut self) -> Vec<Vec<Sample>> {
         let tracks = self.channels.values_mut().flat_map(|channel| &mut channel.tracks);
@@ -169,44 +185,27 @@ impl<M: Deref<Target = Map>> MessageDecoder<M> {
     }
 
     fn open(&mut self, channel: &mcap::records::Channel) {
+        work::steps(1);
         let unwanted = self.only.as_ref().is_some_and(|only| !only.contains(&channel.id));
-        if unwanted || self.channels.contains_key(&channel.id) {
+        let known = self.channels.contains_key(&channel.id) || self.refused.contains(&channel.id);
+        if unwanted || known {
             return;
         }
-        let nothing = (String::new(), String::new(), Vec::new());
-        let (name, encoding, text) = self.schemas.get(&channel.schema_id).unwrap_or(&nothing);
+        let name = self.schemas.get(channel.schema_id).map_or("", |schema| &schema.header.name);
         let Some((rank, rule)) = self.map.rule(&channel.topic, name) else { return };
         // Further instances of a ULog topic appear in the survey, but are not decoded.
         let first = channel.metadata.get("instance").is_none_or(|instance| instance == "0");
         if rule.gives.is_empty() || !first {
             return;
         }
-        let form = match (encoding.as_str(), channel.message_encoding.as_str()) {
-            ("ros2msg", "cdr") => {
-                Layout::parse(name, &String::from_utf8_lossy(text)).map(Form::Cdr)
-            }
-            ("ros2idl", "cdr") => {
-                Layout::parse_idl(name, &String::from_utf8_lossy(text)).map(Form::Cdr)
-            }
-            (ulog::ENCODING, _) => {
-                Layout::parse_ulog(&String::from_utf8_lossy(text)).map(Form::Ulog)
-            }
-            ("protobuf", "protobuf") => Descriptor::parse(name, text).map(Form::Protobuf),
-            (_, "json") => Ok(Form::Json),
-            (schema, message) => Err(format!(
-                "schema encoding {schema:?} with message encoding {message:?} is not read; read are ros2msg and ros2idl with cdr, protobuf, and json"
-            )),
-        };
+        let form = self.forms.of(&self.schemas, channel);
         match form.and_then(|form| Channel::new(form, channel, name, (rank, rule))) {
             Ok(opened) => {
                 self.channels.insert(channel.id, opened);
             }
             Err(why) => {
-                // The summary of a file defines its channels a second time.
-                let note = format!("{}: {why}", channel.topic);
-                if !self.notes.contains(&note) {
-                    self.notes.push(note);
-                }
+                self.refused.insert(channel.id);
+                self.notes.push(format!("{}: {why}", channel.topic));
             }
         }
     }
@@ -221,7 +220,7 @@ impl<M: Deref<Target = Map>> MessageDecoder<M> {
 
 impl Channel {
     fn new(
-        form: Form,
+        form: Arc<Form>,
         channel: &mcap::records::Channel,
         schema: &str,
         (rank, rule): (usize, &Rule),
@@ -269,14 +268,7 @@ impl Channel {
     }
 
     fn message(&mut self, log_ns: u64, data: &[u8], joints: &[String]) {
-        let value = match &self.form {
-            Form::Cdr(layout) => cdr::decode(layout, data),
-            Form::Ulog(layout) => cdr::decode_packed(layout, data),
-            Form::Protobuf(descriptor) => descriptor.decode(data),
-            Form::Json => serde_json::from_slice::<serde_json::Value>(data)
-                .map(Value::from)
-                .map_err(|error| error.to_string()),
-        };
+        let value = self.form.decode(data);
         match value {
             Ok(value) => {
                 let stamp_ns = self.time.as_ref().and_then(|time| stamp(&value, time));

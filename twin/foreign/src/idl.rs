@@ -5,6 +5,8 @@
 
 use std::collections::BTreeMap;
 
+use twin_input::budget::TYPE_DEPTH;
+
 /// Largest number of words in a definition.
 const MOST_WORDS: usize = 1 << 16;
 
@@ -178,10 +180,15 @@ impl Reader {
 
     /// Reads a type; returns the `ros2msg` name of its element, and its array part.
     fn kind(&mut self) -> Result<(String, String), String> {
+        self.kind_at(0)
+    }
+
+    fn kind_at(&mut self, depth: u64) -> Result<(String, String), String> {
+        TYPE_DEPTH.check(depth).map_err(|excess| excess.to_string())?;
         let mut name = self.next()?;
         if name == "sequence" {
             self.expect("<")?;
-            let (element, array) = self.kind()?;
+            let (element, array) = self.kind_at(depth + 1)?;
             if self.words.next_if(|word| word == ",").is_some() {
                 self.next()?;
             }
@@ -233,6 +240,18 @@ mod tests {
         let text = as_ros2msg("nav/msg/Pose", IDL).unwrap();
         let found = Layout::parse("nav/msg/Pose", &text).unwrap();
         assert_eq!(found, Layout::parse("nav/msg/Pose", MSG).unwrap());
+    }
+
+    #[test]
+    fn sequences_nested_30000_deep_are_refused_on_a_small_stack() {
+        let read = || {
+            let (open, close) = ("sequence<".repeat(30_000), ">".repeat(30_000));
+            let text = format!("module a {{ struct B {{ {open}double{close} x; }}; }};");
+            as_ros2msg("a/msg/B", &text).unwrap_err()
+        };
+        let thread = std::thread::Builder::new().stack_size(256 << 10).spawn(read).unwrap();
+        let said = thread.join().unwrap();
+        assert!(said.contains("17 levels"), "{said}");
     }
 
     #[test]

@@ -10,14 +10,19 @@ use std::sync::{Arc, Mutex, PoisonError};
 use mcap::records::{Channel, ChunkIndex, Record, SchemaHeader};
 use mcap::sans_io::summary_reader::{SummaryReadEvent, SummaryReader, SummaryReaderOptions};
 
-use super::container::{ContainerError, HEAD_BYTES, LONGEST_RECORD_BYTES};
+use super::container::ContainerError;
 use super::scan;
 use super::table::{ChunkEntry, Definitions, Input, Table, read_at, unpack_record};
+use twin_input::Inflation;
+use twin_input::budget::RECORD_BYTES;
+use twin_record::pieces::HEAD_BYTES;
 
 /// An open file whose chunks can be read in any order.
 #[derive(Debug)]
 pub(super) struct Index {
     input: Mutex<Box<dyn Input>>,
+    /// What the chunks that were unpacked so far have become.
+    inflation: Mutex<Inflation>,
     /// The positions and definitions that are known so far.
     pub(super) table: Table,
 }
@@ -40,7 +45,7 @@ impl Index {
             Some(table) => Some(table),
             None => scan::scan(&mut *input, length)?,
         };
-        Ok(table.map(|table| Self { input: Mutex::new(input), table }))
+        Ok(table.map(|table| Self { input: Mutex::new(input), inflation: Mutex::default(), table }))
     }
 
     /// Log times of the first and the last message, ns.
@@ -100,7 +105,11 @@ impl Index {
     ) -> Result<(), String> {
         let place = &self.table.chunks[number];
         let record = self.read(place.at, place.length)?;
-        unpack_record(&record, place, on)
+        // The lock is not held while the chunk is unpacked, so that threads unpack side by side.
+        let mut inflation = *self.inflation.lock().unwrap_or_else(PoisonError::into_inner);
+        let end = unpack_record(&record, place, &mut inflation, on);
+        *self.inflation.lock().unwrap_or_else(PoisonError::into_inner) = inflation;
+        end
     }
 
     fn read(&self, at: u64, length: u64) -> Result<Vec<u8>, String> {
@@ -114,7 +123,7 @@ impl Index {
 fn summary(input: &mut dyn Input, length: u64) -> Option<Table> {
     let options = SummaryReaderOptions::default()
         .with_file_size(length)
-        .with_record_length_limit(LONGEST_RECORD_BYTES as usize);
+        .with_record_length_limit(RECORD_BYTES.count());
     let mut reader = SummaryReader::new_with_options(options);
     while let Some(event) = reader.next_event() {
         match event.ok()? {
@@ -130,7 +139,7 @@ fn summary(input: &mut dyn Input, length: u64) -> Option<Table> {
     let told = statistics.chunk_count as usize == found.chunk_indexes.len()
         && statistics.channel_count as usize == found.channels.len();
     let inside = found.chunk_indexes.iter().all(|chunk| {
-        chunk.chunk_length <= LONGEST_RECORD_BYTES + HEAD_BYTES as u64
+        chunk.chunk_length <= RECORD_BYTES.most + HEAD_BYTES as u64
             && chunk.chunk_start_offset.checked_add(chunk.chunk_length).is_some_and(|e| e <= length)
     });
     if !(told && inside) {

@@ -1,7 +1,6 @@
 //! An opened recording: its contents, their meaning, and the flight on ticks.
 
-use std::fs::File;
-use std::io::{BufReader, Read, Seek};
+use std::io::{Read, Seek};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -18,6 +17,8 @@ use super::stretches::{LONG_S, judge};
 use super::survey::Survey;
 use super::table::Input;
 use super::topics::{Map, MapError, SHIPPED};
+use twin_input::budget::SETTINGS_BYTES;
+use twin_input::{Asking, InputError, Reader, file};
 use twin_record::recording::{RecordingError, TICK_TOPIC};
 
 /// Largest number of topics that an error lists.
@@ -98,12 +99,12 @@ pub fn choose_map(
 ) -> Result<(Map, String), OpenError> {
     let (own, name) = match (wanted, family) {
         (Some(name), _) if Map::shipped(name).is_some() => (Map::shipped(name), name.to_owned()),
-        (Some(file), _) => {
-            let text = std::fs::read_to_string(Path::new(file)).map_err(|why| {
+        (Some(name), _) => {
+            let text = file::read_text(Path::new(name), SETTINGS_BYTES).map_err(|why| {
                 let shipped = SHIPPED.map(|(name, _)| name).join(", ");
-                OpenError::MapFile { name: file.to_owned(), shipped, why: why.to_string() }
+                OpenError::MapFile { name: name.to_owned(), shipped, why: why.to_string() }
             })?;
-            (Some(Map::parse(&text, file)?), file.to_owned())
+            (Some(Map::parse(&text, name)?), name.to_owned())
         }
         (None, Some(name)) => (Map::shipped(name), name.to_owned()),
         (None, None) => (None, "generic".to_owned()),
@@ -125,7 +126,7 @@ pub fn survey(path: &Path, map: Option<&str>) -> Result<(Survey, Map, String), O
 
 /// A file that is read twice from its start to its end, with progress reports.
 struct ProgressReader<'a> {
-    file: BufReader<File>,
+    file: Reader,
     read: u64,
     told: u64,
     of: u64,
@@ -133,10 +134,10 @@ struct ProgressReader<'a> {
 }
 
 impl<'a> ProgressReader<'a> {
-    fn open(path: &Path, on: &'a mut dyn FnMut(u64, u64)) -> std::io::Result<Self> {
-        let file = File::open(path)?;
-        let of = 2 * file.metadata()?.len();
-        Ok(Self { file: BufReader::new(file), read: 0, told: 0, of, on })
+    fn open(path: &Path, on: &'a mut dyn FnMut(u64, u64)) -> Result<Self, InputError> {
+        let file = Reader::open(path)?;
+        let of = file.length()?.saturating_mul(2);
+        Ok(Self { file, read: 0, told: 0, of, on })
     }
 
     fn again(&mut self) -> std::io::Result<()> {
@@ -183,7 +184,7 @@ impl OpenedFlight {
         on: &mut dyn FnMut(u64, u64),
     ) -> Result<Self, OpenError> {
         // Errors are dropped here, because the reader of the whole file meets and reports them again.
-        let input = File::open(path).ok().map(|file| Box::new(file) as Box<dyn Input>);
+        let input = file::open(path).ok().map(|file| Box::new(Asking::new(file)) as Box<dyn Input>);
         match input.map_or(Ok(None), |input| Self::open_long(path, map, input))? {
             Some(long) => Ok(long),
             None => Self::read_whole(path, map, on),

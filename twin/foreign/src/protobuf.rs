@@ -3,10 +3,12 @@
 //! The decoder accepts any bytes: it reserves no more memory than the message is long, follows no type deeper than `DEEPEST`,
 //! and always terminates. A number or text that was not sent has its proto3 default; a message that was not sent is absent.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
 use super::value::Value;
+use twin_input::budget::NAME_BYTES;
+use twin_input::work;
 
 /// Deepest nesting of messages, and of the types in a descriptor.
 const DEEPEST: usize = 16;
@@ -40,7 +42,22 @@ const SINT64: u64 = 18;
 /// The types of a message; the message itself is first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Descriptor {
-    types: Vec<Vec<Field>>,
+    types: Vec<Type>,
+}
+
+/// A message type.
+#[derive(Clone, Debug, PartialEq)]
+struct Type {
+    fields: Vec<Field>,
+    /// Places of the fields by their numbers; of two fields with one number the first counts.
+    places: HashMap<u64, usize>,
+}
+
+impl Type {
+    fn new(fields: Vec<Field>) -> Self {
+        let places = fields.iter().enumerate().rev().map(|(at, field)| (field.number, at));
+        Self { places: places.collect(), fields }
+    }
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -130,9 +147,11 @@ impl Descriptor {
         let own =
             found.remove_entry(name).ok_or_else(|| format!("no type {name} in its schema"))?;
         let all: Vec<(String, Found<'_>)> = std::iter::once(own).chain(found).collect();
+        let places: HashMap<&[u8], usize> =
+            all.iter().enumerate().map(|(place, (name, _))| (name.as_bytes(), place)).collect();
         let place = |wanted: &[u8]| {
-            let wanted = wanted.strip_prefix(b".").unwrap_or(wanted);
-            all.iter().position(|(name, _)| name.as_bytes() == wanted)
+            work::steps(1);
+            places.get(wanted.strip_prefix(b".").unwrap_or(wanted)).copied()
         };
         let settled = |(field, kind): &(Field, &[u8])| {
             let mut field = field.clone();
@@ -141,8 +160,8 @@ impl Descriptor {
             }
             field
         };
-        let types = all.iter().map(|(_, found)| found.iter().map(settled).collect()).collect();
-        Ok(Self { types })
+        let types = all.iter().map(|(_, found)| found.iter().map(settled).collect());
+        Ok(Self { types: types.map(Type::new).collect() })
     }
 
     /// Decodes one message.
@@ -160,7 +179,7 @@ impl Descriptor {
         depth: usize,
         values: &mut usize,
     ) -> Result<Value, String> {
-        let known = &self.types[number];
+        let Type { fields: known, places } = &self.types[number];
         *values += 1 + known.len();
         if depth > DEEPEST || *values > MOST_VALUES {
             return Err(format!(
@@ -169,9 +188,8 @@ impl Descriptor {
         }
         let mut found: Vec<Option<Value>> = known.iter().map(default).collect();
         fields(bytes, &mut |number, sent| {
-            let Some(at) = known.iter().position(|field| field.number == number) else {
-                return Ok(());
-            };
+            work::steps(1);
+            let Some(&at) = places.get(&number) else { return Ok(()) };
             let (field, place) = (&known[at], &mut found[at]);
             match (field.kind, sent) {
                 (Kind::Number(kind), Sent::Number(bits, wire)) => {
@@ -297,6 +315,8 @@ fn message_type<'a>(
         }
         Ok(())
     })?;
+    // The full name of every nested type holds the name of its owner, so a long name would be copied for each.
+    NAME_BYTES.check_count(outer.len() + name.len()).map_err(|excess| excess.to_string())?;
     let full = if outer.is_empty() { name } else { format!("{outer}.{name}") };
     nested.into_iter().try_for_each(|inner| message_type(inner, &full, found, depth + 1))?;
     found.insert(full, own);

@@ -104,3 +104,53 @@ fn a_message_cut_anywhere_ends_and_a_type_that_contains_itself_ends() {
     assert!(descriptor.decode(&deep).unwrap_err().contains("deeper"));
     assert!(Descriptor::parse("U", &set).unwrap_err().contains("no type U"));
 }
+
+/// A length-delimited field with a length of any size.
+fn long(number: u8, bytes: &[u8]) -> Vec<u8> {
+    let (mut length, mut head) = (bytes.len(), vec![(number << 3) | 2]);
+    while length >= 0x80 {
+        head.push((length & 0x7F) as u8 | 0x80);
+        length >>= 7;
+    }
+    [&head[..], &[length as u8], bytes].concat()
+}
+
+/// The set of a type `p.T0` with `count` fields, each of another type; and as many types.
+fn many(count: usize) -> Vec<u8> {
+    let field = |n: usize| {
+        let number = [&[3 << 3][..], &[(n & 0x7F) as u8 | 0x80, (n >> 7) as u8]].concat();
+        let kind = format!(".p.T{n}");
+        let parts = [text(1, "f"), number, vec![4 << 3, 1, 5 << 3, 11], text(6, &kind)];
+        long(2, &parts.concat())
+    };
+    let fields: Vec<u8> = (1..count).flat_map(field).collect();
+    let first = long(4, &[text(1, "T0"), fields].concat());
+    let others = (1..count).flat_map(|n| long(4, &text(1, &format!("T{n}"))));
+    long(1, &[text(2, "p"), first, others.collect()].concat())
+}
+
+#[test]
+fn the_work_of_a_descriptor_grows_with_its_fields_and_not_with_their_square() {
+    let growth = twin_input::work::growth(200, &mut |count| {
+        let descriptor = Descriptor::parse("p.T0", &many(count)).unwrap();
+        // Every field is sent once, empty.
+        let sent = |n: usize| {
+            [(n << 3 | 2) as u8 | 0x80, (n >> 4) as u8 & 0x7F | 0x80, (n >> 11) as u8, 0]
+        };
+        let message: Vec<u8> = (1..count).flat_map(sent).collect();
+        descriptor.decode(&message).unwrap();
+    });
+    assert!(
+        growth < twin_input::work::LINEAR,
+        "four times the fields took {growth:.1} times the steps"
+    );
+}
+
+#[test]
+fn a_type_name_that_every_nested_type_would_copy_is_limited() {
+    let set = |length: usize| long(1, &long(4, &long(1, "n".repeat(length).as_bytes())));
+    let most = twin_input::budget::NAME_BYTES.count();
+    assert!(Descriptor::parse(&"n".repeat(most), &set(most)).is_ok());
+    let said = Descriptor::parse("n", &set(most + 1)).unwrap_err();
+    assert!(said.contains("1025 bytes in one name"), "{said}");
+}

@@ -5,8 +5,11 @@ use std::io::{BufReader, Read, SeekFrom};
 
 use mcap::records::Record;
 
-use super::container::{CHUNK, DATA_END, FOOTER, Findings, HEAD_BYTES, LONGEST_RECORD_BYTES};
+use super::container::Findings;
 use super::table::{ChunkEntry, Input, Table, header as message, read_at, unpack_record};
+use twin_input::Inflation;
+use twin_input::budget::{ATTACHED_BYTES, RECORD_BYTES};
+use twin_record::pieces::{CHUNK, DATA_END, FOOTER, HEAD_BYTES, NO_RECORD, Next};
 
 /// Opcodes that the scan distinguishes.
 const HEADER: u8 = 0x01;
@@ -37,7 +40,7 @@ pub(super) fn header(file: &mut dyn Input, findings: &mut Findings) -> std::io::
     let at = mcap::MAGIC.len() as u64;
     let head = read_at(file, at, HEAD_BYTES as u64)?;
     let length = head[1..].first_chunk().map_or(0, |bytes| u64::from_le_bytes(*bytes));
-    if head[0] == HEADER && length < LONGEST_RECORD_BYTES {
+    if head[0] == HEADER && length < RECORD_BYTES.most {
         let body = read_at(file, at + HEAD_BYTES as u64, length)?;
         if let Ok(Record::Header(header)) = mcap::parse_record(HEADER, &body) {
             (findings.profile, findings.library) = (header.profile, header.library);
@@ -54,6 +57,8 @@ struct Walk<'a> {
     table: Table,
     /// True if messages lie outside of chunks; the file must then be read whole.
     loose: bool,
+    /// Bytes of the metadata records so far.
+    metadata_bytes: u64,
 }
 
 /// The table of a file of `length` bytes; `None` if messages lie outside of chunks or there is no chunk.
@@ -66,6 +71,7 @@ pub(super) fn scan(file: &mut dyn Input, length: u64) -> std::io::Result<Option<
         length,
         table: Table::default(),
         loose: false,
+        metadata_bytes: 0,
     };
     while walk.step()? {}
     let Walk { mut table, loose, .. } = walk;
@@ -97,11 +103,13 @@ impl Walk<'_> {
         }
         self.file.read_exact(&mut head)?;
         let body = head[1..].first_chunk().map_or(0, |bytes| u64::from_le_bytes(*bytes));
-        if body > LONGEST_RECORD_BYTES {
-            self.table.findings.problem(format!(
-                "record at byte {} claims {body} bytes, at most {LONGEST_RECORD_BYTES} are read: the file is damaged from there on",
-                self.at
-            ));
+        let damage = match head[0] {
+            NO_RECORD => Next::NoRecord.damage(self.at),
+            _ if body > RECORD_BYTES.most => Next::TooLong(body).damage(self.at),
+            _ => None,
+        };
+        if let Some(damage) = damage {
+            self.table.findings.problem(damage);
             return Ok(false);
         }
         let whole = left - HEAD_BYTES as u64 >= body;
@@ -168,7 +176,13 @@ impl Walk<'_> {
         let mut bytes = Vec::new();
         let read = self.file.by_ref().take(body).read_to_end(&mut bytes)? as u64;
         match mcap::parse_record(opcode, &bytes) {
-            Ok(Record::Metadata(metadata)) => self.table.metadata.push(metadata),
+            Ok(Record::Metadata(metadata)) => {
+                self.metadata_bytes += body;
+                match ATTACHED_BYTES.check(self.metadata_bytes) {
+                    Ok(()) => self.table.metadata.push(metadata),
+                    Err(excess) => self.table.findings.problem(format!("metadata: {excess}")),
+                }
+            }
             Ok(record) => self.table.definitions.take(record),
             Err(error) => self
                 .table
@@ -182,6 +196,7 @@ impl Walk<'_> {
 /// Unpacks the chunks that contain what no other place contains: the first chunk, chunks with messages of a channel that is not
 /// yet known (its definition is in that chunk), chunks without a message index, and a chunk that the end of the file cuts off.
 fn look_into(file: &mut dyn Input, table: &mut Table) {
+    let mut inflation = Inflation::default();
     for number in 0..table.chunks.len() {
         let place = &table.chunks[number];
         let uncounted = place.counts.is_empty() || place.cut;
@@ -193,7 +208,7 @@ fn look_into(file: &mut dyn Input, table: &mut Table) {
         let mut counts: BTreeMap<u16, u64> = BTreeMap::new();
         let mut span_ns: Option<(u64, u64)> = None;
         let definitions = &mut table.definitions;
-        let end = unpack_record(&record, place, &mut |record| {
+        let end = unpack_record(&record, place, &mut inflation, &mut |record| {
             if let Some(header) = message(&record) {
                 *counts.entry(header.channel_id).or_default() += 1;
                 let (first, last) = span_ns.unwrap_or((u64::MAX, 0));

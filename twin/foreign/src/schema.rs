@@ -6,8 +6,8 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Deepest nesting of types.
-const DEEPEST: usize = 16;
+use twin_input::budget::{NAME_BYTES, TYPE_DEPTH};
+use twin_input::work;
 
 /// A type that contains no other type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -115,7 +115,7 @@ impl Layout {
             })
             .collect::<Result<Vec<Vec<Field>>, String>>()?;
         let layout = Self { types };
-        layout.check_depth(0, 0)?;
+        layout.check_depth()?;
         Ok(layout)
     }
 
@@ -157,17 +157,26 @@ impl Layout {
         // The logger cuts off the padding at the end of a message.
         let logged = own.iter().rposition(|field| !field.name.starts_with("_padding"));
         own.truncate(logged.map_or(0, |last| last + 1));
-        layout.check_depth(0, 0)?;
+        layout.check_depth()?;
         Ok(layout)
     }
 
-    fn check_depth(&self, number: usize, depth: usize) -> Result<(), String> {
-        if depth > DEEPEST {
-            return Err(format!("types nest deeper than {DEEPEST}, or one contains itself"));
-        }
-        for field in &self.types[number] {
-            if let Kind::Type(inner) = field.kind {
-                self.check_depth(inner, depth + 1)?;
+    /// Refuses types that the message nests deeper than the budget allows. Each type is looked at once for each depth at most, because
+    /// a type that was met at this depth or deeper holds nothing new.
+    fn check_depth(&self) -> Result<(), String> {
+        let mut deepest: Vec<Option<u64>> = vec![None; self.types.len()];
+        let mut ahead = vec![(0, 0)];
+        while let Some((number, depth)) = ahead.pop() {
+            TYPE_DEPTH.check(depth).map_err(|excess| excess.to_string())?;
+            if deepest[number].is_some_and(|known| known >= depth) {
+                continue;
+            }
+            deepest[number] = Some(depth);
+            for field in &self.types[number] {
+                work::steps(1);
+                if let Kind::Type(inner) = field.kind {
+                    ahead.push((inner, depth + 1));
+                }
             }
         }
         Ok(())
@@ -210,6 +219,8 @@ fn field(
     owner: &str,
     numbers: &BTreeMap<&str, usize>,
 ) -> Result<Option<Field>, String> {
+    // The full name of every type is put together from the name of its owner, so a long name would be copied for each field.
+    NAME_BYTES.check_count(owner.len()).map_err(|excess| excess.to_string())?;
     let (kind, rest) = line
         .split_once(char::is_whitespace)
         .ok_or_else(|| format!("line {line:?} of {owner} defines no field"))?;
@@ -278,6 +289,40 @@ mod tests {
                 ("s".to_owned(), primitive(Primitive::Text), Count::One),
             ]
         );
+    }
+
+    /// A message in which each of `levels` types holds `fields` fields of the next type.
+    fn nested(levels: usize, fields: usize) -> String {
+        let body = |level: usize| {
+            let fields = (0..fields).map(|n| format!("T{} f{n}\n", level + 1));
+            format!("===\nMSG: p/T{level}\n{}", fields.collect::<String>())
+        };
+        let types: String = (0..levels).map(body).collect();
+        format!("T0 first\n{types}===\nMSG: p/T{levels}\nfloat64 x\n")
+    }
+
+    #[test]
+    fn types_nest_as_deep_as_the_budget_allows_and_not_one_level_deeper() {
+        let deepest = TYPE_DEPTH.most as usize;
+        assert!(Layout::parse("p/msg/A", &nested(deepest - 1, 1)).is_ok());
+        let said = Layout::parse("p/msg/A", &nested(deepest, 1)).unwrap_err();
+        assert!(said.contains("found 17 levels") && said.contains("at most 16"), "{said}");
+    }
+
+    #[test]
+    fn the_work_of_nested_types_grows_with_their_fields_and_not_with_their_paths() {
+        // With ten fields a level there are 10^15 paths.
+        let growth = work::growth(10, &mut |fields| {
+            assert!(Layout::parse("p/msg/A", &nested(15, fields)).is_ok());
+        });
+        assert!(growth < work::LINEAR, "four times the fields took {growth:.1} times the steps");
+    }
+
+    #[test]
+    fn a_name_that_every_field_would_copy_is_limited() {
+        let named = |length: usize| Layout::parse(&"n".repeat(length), "float64 x\n");
+        assert!(named(NAME_BYTES.count()).is_ok());
+        assert!(named(NAME_BYTES.count() + 1).unwrap_err().contains("1025 bytes in one name"));
     }
 
     #[test]

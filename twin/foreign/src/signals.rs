@@ -118,13 +118,16 @@ pub(super) fn signals_as(tracks: &[Track], chosen: &Signals) -> Signals {
 }
 
 /// Time base of each track, as it was `chosen` for the whole flight.
-pub(super) fn bases_as(tracks: &[Track], chosen: &Signals) -> Vec<Timebase> {
+pub(super) fn bases_as<'a>(
+    tracks: impl IntoIterator<Item = &'a Track>,
+    chosen: &Signals,
+) -> Vec<Timebase> {
     let base = |track: &Track| {
         let of_channel = || chosen.used.iter().filter(|used| used.channel == track.channel);
         let used = of_channel().find(|u| u.quantity == track.quantity).or(of_channel().next());
         used.map_or(Timebase { clock: Clock::Log, offset_ns: 0, latency_ms: 0.0 }, |used| used.time)
     };
-    tracks.iter().map(base).collect()
+    tracks.into_iter().map(base).collect()
 }
 
 impl Chooser<'_> {

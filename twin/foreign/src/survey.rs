@@ -1,8 +1,8 @@
 //! The contents of a recording without decoding a message: channels, schemas, counts, rates, gaps and damage.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::File;
-use std::io::{BufReader, Read};
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::io::Read;
 use std::path::Path;
 
 use mcap::records::{MessageHeader, Record};
@@ -10,8 +10,10 @@ use serde::Serialize;
 
 use super::container::{self, ContainerError, Findings};
 use super::index::Index;
+use super::message_definitions::{MessageDefinition, MessageDefinitions};
 use super::table::Definitions;
 use super::topics::{Map, Quantity};
+use twin_input::{Excess, Reader};
 
 /// One channel of a recording.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -61,8 +63,11 @@ const NS: f64 = 1e-9;
 
 #[derive(Default)]
 struct MessageCounter {
-    schemas: BTreeMap<u16, (String, String)>,
-    definitions: BTreeMap<String, BTreeSet<Vec<u8>>>,
+    schemas: MessageDefinitions,
+    /// Hashes of the definitions of each schema.
+    definitions: BTreeMap<String, BTreeSet<u64>>,
+    /// Schemas whose definition the budget refuses, with the reason.
+    refused: BTreeMap<String, Excess>,
     channels: BTreeMap<u16, (ChannelInfo, Option<u64>)>,
     orphans: u64,
 }
@@ -71,12 +76,29 @@ impl MessageCounter {
     fn take(&mut self, record: Record<'_>) {
         match record {
             Record::Schema { header, data } => {
-                self.definitions.entry(header.name.clone()).or_default().insert(data.into_owned());
-                self.schemas.insert(header.id, (header.name, header.encoding));
+                let number = header.id;
+                if !self.schemas.take(header, &data) {
+                    return;
+                }
+                let Some(MessageDefinition { header, text }) = self.schemas.get(number) else {
+                    return;
+                };
+                match text {
+                    Ok(text) => {
+                        let mut hash = DefaultHasher::new();
+                        text.hash(&mut hash);
+                        let known = self.definitions.entry(header.name.clone()).or_default();
+                        known.insert(hash.finish());
+                    }
+                    Err(excess) => {
+                        self.refused.insert(header.name.clone(), *excess);
+                    }
+                }
             }
             Record::Channel(channel) => {
+                let header = self.schemas.get(channel.schema_id).map(|known| known.header.clone());
                 let (schema, encoding) =
-                    self.schemas.get(&channel.schema_id).cloned().unwrap_or_default();
+                    header.map_or_else(Default::default, |h| (h.name, h.encoding));
                 let info = ChannelInfo {
                     topic: channel.topic,
                     schema,
@@ -117,7 +139,7 @@ impl Survey {
     /// # Errors
     /// [`ContainerError`] if the file cannot be read.
     pub fn read(file: &Path) -> Result<Self, ContainerError> {
-        Self::read_from(&mut BufReader::new(File::open(file)?))
+        Self::read_from(&mut Reader::open(file)?)
     }
 
     /// Reads the recording in `input`.
@@ -146,6 +168,11 @@ impl Survey {
     ) -> Self {
         let mut collector = MessageCounter::default();
         definitions.records(&mut |record| collector.take(record));
+        for definition in definitions.schemas.all() {
+            if let Err(excess) = definition.text {
+                collector.refused.insert(definition.header.name.clone(), excess);
+            }
+        }
         for (number, (info, _)) in &mut collector.channels {
             info.messages = counts.get(number).copied().unwrap_or(0);
             (info.first_s, info.last_s) = (first_ns as f64 * NS, last_ns as f64 * NS);
@@ -158,6 +185,9 @@ impl Survey {
         if collector.orphans > 0 {
             let text = format!("{} messages belong to no known channel", collector.orphans);
             container.problem(text);
+        }
+        for (name, excess) in &collector.refused {
+            container.problem(format!("schema {name:?}: {excess}"));
         }
         let mut channels: Vec<ChannelInfo> =
             collector.channels.into_values().map(|(info, _)| info).collect();

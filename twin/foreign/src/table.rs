@@ -4,9 +4,13 @@ use std::collections::BTreeMap;
 use std::fmt::Debug;
 use std::io::{Read, Seek, SeekFrom};
 
-use mcap::records::{Channel, MessageHeader, Metadata, Record, SchemaHeader};
+use mcap::records::{Channel, MessageHeader, Metadata, Record};
 
-use super::container::{CHUNK, Findings, HEAD_BYTES, LONGEST_RECORD_BYTES, unpack};
+use super::container::Findings;
+use super::message_definitions::{MessageDefinition, MessageDefinitions};
+use twin_input::Inflation;
+use twin_input::budget::RECORD_BYTES;
+use twin_record::pieces::{CHUNK, HEAD_BYTES, unpack};
 
 /// A file, or another input that can be read at any position.
 pub trait Input: Read + Seek + Debug + Send {}
@@ -33,8 +37,8 @@ pub(super) struct ChunkEntry {
 /// Schemas and channels of a file.
 #[derive(Debug, Default)]
 pub(super) struct Definitions {
-    /// Header and text of each schema, by number.
-    pub(super) schemas: BTreeMap<u16, (SchemaHeader, Vec<u8>)>,
+    /// Message definitions.
+    pub(super) schemas: MessageDefinitions,
     /// Channels by number.
     pub(super) channels: BTreeMap<u16, Channel>,
 }
@@ -44,7 +48,7 @@ impl Definitions {
     pub(super) fn take(&mut self, record: Record<'_>) {
         match record {
             Record::Schema { header, data } => {
-                self.schemas.insert(header.id, (header, data.into_owned()));
+                self.schemas.take(header, &data);
             }
             Record::Channel(channel) => {
                 self.channels.entry(channel.id).or_insert(channel);
@@ -55,13 +59,24 @@ impl Definitions {
 
     /// Passes on the definitions as records, schemas first.
     pub(super) fn records(&self, on: &mut dyn FnMut(Record<'_>)) {
-        for (header, data) in self.schemas.values() {
-            on(Record::Schema { header: header.clone(), data: data.as_slice().into() });
-        }
+        self.schemas.all().for_each(|schema| on(record(schema)));
         for channel in self.channels.values() {
             on(Record::Channel(channel.clone()));
         }
     }
+
+    /// Passes on the definition of one channel as records, its schema first.
+    pub(super) fn records_of(&self, channel: u16, on: &mut dyn FnMut(Record<'_>)) {
+        let Some(channel) = self.channels.get(&channel) else { return };
+        self.schemas.get(channel.schema_id).into_iter().for_each(|schema| on(record(schema)));
+        on(Record::Channel(channel.clone()));
+    }
+}
+
+/// The record of a definition; the text of one that the budget refuses is empty.
+fn record(schema: &MessageDefinition) -> Record<'_> {
+    let text = schema.text.as_deref().unwrap_or_default();
+    Record::Schema { header: schema.header.clone(), data: text.into() }
 }
 
 /// All that is known of a file before a chunk is unpacked.
@@ -83,12 +98,13 @@ pub(super) struct Table {
 pub(super) fn unpack_record(
     record: &[u8],
     place: &ChunkEntry,
+    inflation: &mut Inflation,
     on: &mut dyn FnMut(Record<'_>),
 ) -> Result<(), String> {
     if record.first() != Some(&CHUNK) {
         return Err(format!("there is no chunk at byte {}", place.at));
     }
-    match unpack(record, !place.cut, on) {
+    match unpack(record, !place.cut, inflation, on) {
         Err(why) if !place.cut => {
             Err(format!("chunk at byte {} is damaged or unknown ({why}) and left out", place.at))
         }
@@ -100,7 +116,7 @@ pub(super) fn unpack_record(
 pub(super) fn read_at(input: &mut dyn Input, at: u64, length: u64) -> std::io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     input.seek(SeekFrom::Start(at))?;
-    input.take(length.min(LONGEST_RECORD_BYTES + HEAD_BYTES as u64)).read_to_end(&mut bytes)?;
+    input.take(length.min(RECORD_BYTES.most + HEAD_BYTES as u64)).read_to_end(&mut bytes)?;
     if bytes.len() as u64 == length {
         Ok(bytes)
     } else {

@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::schema::short;
 use super::value::Path;
+use twin_input::work;
 
 /// The rules for messages that many software stacks use.
 const GENERIC: &str = include_str!("maps/generic.toml");
@@ -304,6 +305,12 @@ impl Map {
         SHIPPED_MAPS.iter().find(|(_, map)| fits(map)).map(|(name, _)| *name)
     }
 
+    /// The name of two that comes first among the shipped maps.
+    pub(super) fn first_of<'a>(one: Option<&'a str>, other: Option<&'a str>) -> Option<&'a str> {
+        let place = |name: &&str| SHIPPED.iter().position(|(known, _)| known == name);
+        one.into_iter().chain(other).min_by_key(place)
+    }
+
     /// The shipped map called `name`.
     pub fn shipped(name: &str) -> Option<Self> {
         SHIPPED_MAPS.iter().find(|(known, _)| *known == name).map(|(_, map)| map.clone())
@@ -371,6 +378,7 @@ impl Fields {
 
 /// Whether `text` matches `pattern`, in which `*` stands for any part.
 fn glob(pattern: &str, text: &str) -> bool {
+    work::steps(1);
     let mut parts = pattern.split('*');
     let Some(rest) = parts.next().and_then(|first| text.strip_prefix(first)) else { return false };
     let mut parts: Vec<&str> = parts.collect();

@@ -4,12 +4,14 @@
 //! it (`/fmu/out/vehicle_attitude`). Its schema is `px4_msgs/msg/VehicleAttitude` with the definition from the log. The log time
 //! of a message is its own time. The published readers expect a well-formed file; this module replaces them for that reason.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Read;
 
 use mcap::records::{Channel, MessageHeader, Record, SchemaHeader};
 
-use super::findings::{ContainerError, Findings, fill};
+use super::findings::{ContainerError, Findings};
+use twin_input::work;
+use twin_record::pieces::fill;
 
 /// First bytes of every log; a version byte follows.
 pub(super) const MAGIC: [u8; 7] = *b"ULog\x01\x12\x35";
@@ -136,17 +138,26 @@ impl Log {
         };
         let id = u16::from_le_bytes([*low, *high]);
         let name = String::from_utf8_lossy(name).into_owned();
-        let Some(definition) = self.definition(&name) else {
-            self.findings.problem(format!("topic {name} has no definition and is not read"));
-            return Ok(());
+        let schema_id = match self.schemas.get(&name) {
+            Some(number) => *number,
+            None => {
+                let Some(definition) = self.definition(&name) else {
+                    self.findings
+                        .problem(format!("topic {name} has no definition and is not read"));
+                    return Ok(());
+                };
+                let number = u16::try_from(self.schemas.len() + 1)
+                    .map_err(|_| format!("more than {} topics", u16::MAX))?;
+                let header = SchemaHeader {
+                    id: number,
+                    name: schema_name(&name),
+                    encoding: ENCODING.to_owned(),
+                };
+                on(Record::Schema { header, data: definition.as_bytes().into() });
+                self.schemas.insert(name.clone(), number);
+                number
+            }
         };
-        let fresh = self.schemas.len() as u16 + 1;
-        let schema_id = *self.schemas.entry(name.clone()).or_insert_with(|| {
-            let header =
-                SchemaHeader { id: fresh, name: schema_name(&name), encoding: ENCODING.to_owned() };
-            on(Record::Schema { header, data: definition.as_bytes().into() });
-            fresh
-        });
         on(Record::Channel(Channel {
             id,
             schema_id,
@@ -159,12 +170,18 @@ impl Log {
 
     /// The definition of `name` and of every type that it contains, one a line, its own first.
     fn definition(&self, name: &str) -> Option<String> {
-        self.formats.get(name)?;
-        let mut needed = vec![name];
+        let (name, _) = self.formats.get_key_value(name)?;
+        let mut needed = vec![name.as_str()];
+        let mut known = BTreeSet::from([name.as_str()]);
         let mut next = 0;
         while let Some(text) = needed.get(next).and_then(|name| self.formats.get(*name)) {
-            for other in self.formats.keys() {
-                if names_type(text, other) && !needed.contains(&other.as_str()) {
+            // In the order of their names, as the formats are.
+            let others: BTreeSet<&str> = types(text).collect();
+            for other in others {
+                work::steps(1);
+                if let Some((other, _)) = self.formats.get_key_value(other)
+                    && known.insert(other)
+                {
                     needed.push(other);
                 }
             }
@@ -192,10 +209,10 @@ impl Log {
     }
 }
 
-/// Whether the definition `text` has a field of type `other`.
-fn names_type(text: &str, other: &str) -> bool {
+/// The types of the fields in the definition `text`.
+fn types(text: &str) -> impl Iterator<Item = &str> {
     let fields = text.split_once(':').map_or("", |(_, fields)| fields).split(';');
-    fields.filter_map(|field| field.trim().split([' ', '[']).next()).any(|kind| kind == other)
+    fields.filter_map(|field| field.trim().split([' ', '[']).next())
 }
 
 /// Checks the compatibility flags. Unknown incompatible flags mean that the rest cannot be understood.

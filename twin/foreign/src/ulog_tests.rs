@@ -103,3 +103,20 @@ fn a_log_for_a_newer_reader_and_a_damaged_one_stop_with_a_reason() {
         assert!(!found.complete && found.problems[0].contains(wanted), "{found:?}");
     }
 }
+
+#[test]
+fn the_work_of_subscriptions_grows_with_the_formats_and_not_with_their_square() {
+    let growth = twin_input::work::growth(100, &mut |count| {
+        // Each format holds the next, and every format is subscribed.
+        let format = |n: usize| message(b'F', format!("t{n}:t{} next;", n + 1).as_bytes());
+        let subscribe =
+            |n: usize| message(b'A', &[&[0][..], &(n as u16).to_le_bytes(), b"t0"].concat());
+        let messages = (0..count).flat_map(format).chain((0..count).flat_map(subscribe));
+        let bytes: Vec<u8> = MAGIC.into_iter().chain([0; 9]).chain(messages).collect();
+        container::read(&mut &bytes[..], &mut |_| {}).unwrap();
+    });
+    assert!(
+        growth < twin_input::work::LINEAR,
+        "four times the formats took {growth:.1} times the steps"
+    );
+}

@@ -9,6 +9,7 @@ use rapier3d_f64::prelude::*;
 use super::PlantError;
 use super::convert::{from_pose, rotation_matrix, to_pose, to_rotation, to_vector};
 use crate::model::{Geometry, Inertial, JointKind, Robot, Shape};
+use twin_input::budget::MOVING_JOINTS;
 
 /// Largest relative difference between the tensor of the URDF and the tensor that Rapier stores; both are f64.
 const TENSOR_TOLERANCE: f64 = 1e-9;
@@ -65,6 +66,8 @@ impl Articulation {
         robot: &Robot,
         world_from_root: &Isometry3<f64>,
     ) -> Result<Self, PlantError> {
+        let moving = robot.joints.iter().filter(|joint| joint.kind != JointKind::Fixed);
+        MOVING_JOINTS.check_count(moving.count())?;
         let mut this = Self::group_links(robot);
         this.insert_bodies(world, robot, world_from_root);
         this.insert_joints(world, robot)?;

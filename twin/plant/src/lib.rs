@@ -70,6 +70,9 @@ pub enum PlantError {
         /// Link.
         link: String,
     },
+    /// The vehicle has more moving joints than can be simulated.
+    #[error("the vehicle: {0}")]
+    TooMuch(#[from] twin_input::Excess),
     /// A joint could not be inserted.
     #[error("joint {joint:?} would close a kinematic loop; a floating-base tree is required")]
     Loop {

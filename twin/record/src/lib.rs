@@ -14,6 +14,8 @@ pub mod lossless;
 #[cfg(feature = "files")]
 pub mod output;
 #[cfg(feature = "files")]
+pub mod pieces;
+#[cfg(feature = "files")]
 pub mod recording;
 #[cfg(feature = "files")]
 pub mod views;

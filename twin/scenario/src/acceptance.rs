@@ -10,6 +10,7 @@ use twin_core::elementary::squared;
 use twin_core::notation::{Coords, N};
 use twin_core::residual::weights::{Acceptance, Weights, WeightsError};
 use twin_core::tick::Tick;
+use twin_input::budget::WEIGHTS_BYTES;
 use twin_record::interruption;
 
 /// Corner of the low-pass on the estimate, Hz.
@@ -116,13 +117,14 @@ pub fn together(flights: &[GateFlight]) -> Option<(f64, [f64; N])> {
 /// [`AcceptanceError`] if the file cannot be read or written.
 #[cfg(feature = "suite")]
 pub fn write(file: &Path, acceptance: Acceptance) -> Result<(), AcceptanceError> {
-    let bytes = std::fs::read(file).map_err(|error| unusable(file, &error))?;
+    let bytes =
+        twin_input::file::read(file, WEIGHTS_BYTES).map_err(|error| unusable(file, &error))?;
     let mut weights = Weights::from_bytes(&bytes)?;
     weights.head.acceptance = acceptance;
     Ok(twin_record::output::replace(file, &weights.to_bytes()?)?)
 }
 
-fn unusable(file: &Path, error: &std::io::Error) -> AcceptanceError {
+fn unusable(file: &Path, error: &dyn std::fmt::Display) -> AcceptanceError {
     AcceptanceError::File { file: file.display().to_string(), reason: error.to_string() }
 }
 

@@ -11,6 +11,7 @@ use sha2::{Digest, Sha256};
 use super::collect::sha256_of;
 use super::settings::PredictorKind;
 use super::{Report, Scenario};
+use twin_input::budget::REPORT_BYTES;
 use twin_record::output::{make_folder, replace};
 
 /// Reports of flights, by the hash of the flight.
@@ -34,7 +35,7 @@ impl Cache {
 
     /// The report of this flight, if the cache has it and can read it.
     pub fn find(&self, scenario: &Scenario) -> Option<Report> {
-        let text = std::fs::read_to_string(self.place(scenario)?).ok()?;
+        let text = twin_input::file::read_text(&self.place(scenario)?, REPORT_BYTES).ok()?;
         serde_json::from_str(&text).ok()
     }
 

@@ -12,6 +12,7 @@ use sha2::{Digest, Sha256};
 use super::{BuildError, Scenario, ScenarioError, Verdict, run};
 use twin_core::notation::{Coords, N};
 use twin_core::tick::Tick;
+use twin_input::{InputError, file};
 use twin_record::interruption::{self, Interrupted};
 use twin_record::{OutputError, Outputs, Recorder, RecordingEnd, RecordingError};
 
@@ -67,6 +68,14 @@ pub enum CollectError {
     /// A signal asked the program to end before the flight began.
     #[error(transparent)]
     Interrupted(#[from] Interrupted),
+    /// A file cannot be read.
+    #[error("{}: {why}", .path.display())]
+    Input {
+        /// Path of the file.
+        path: PathBuf,
+        /// The reason.
+        why: InputError,
+    },
     /// A folder or file cannot be used.
     #[error("{}: {why}", .path.display())]
     File {
@@ -235,14 +244,14 @@ pub fn collect(
 /// Sha-256 of a file, in hex.
 ///
 /// # Errors
-/// [`CollectError::File`] if it cannot be read.
+/// [`CollectError::Input`] if it cannot be read.
 pub fn sha256_of(path: &Path) -> Result<String, CollectError> {
-    let failed = |why| CollectError::File { path: path.to_owned(), why };
-    let mut file = std::fs::File::open(path).map_err(failed)?;
+    let failed = |why: InputError| CollectError::Input { path: path.to_owned(), why };
+    let mut file = file::open(path).map_err(failed)?;
     let mut hash = Sha256::new();
     let mut buffer = vec![0; 1 << 16];
     loop {
-        let read = std::io::Read::read(&mut file, &mut buffer).map_err(failed)?;
+        let read = std::io::Read::read(&mut file, &mut buffer).map_err(|why| failed(why.into()))?;
         if read == 0 {
             break;
         }

@@ -1,9 +1,12 @@
 //! A TOML tree that stores the place of each value.
 
+use std::cell::Cell;
 use std::collections::BTreeMap;
 
 use toml::de::{DeTable, DeValue};
 use toml::{Spanned, Value};
+use twin_input::budget::{LIST_ITEMS, TOML_VALUES};
+use twin_input::{Excess, Lines};
 
 /// The place where a value was written; lines count from 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,29 +39,29 @@ pub(super) enum Node {
 }
 
 impl Entry {
-    /// The tree of `text`. The error is the line and the message of the first syntax error.
+    /// The tree of `text`. The error is the line and the message of the first syntax error, or of the first excess of the budget.
     pub(super) fn parse(text: &str, place: fn(u32) -> Origin) -> Result<Self, (u32, String)> {
-        let at = |offset: usize| {
-            let before = text.as_bytes().iter().take(offset);
-            place(1 + before.filter(|byte| **byte == b'\n').count() as u32)
-        };
-        let line = |offset| match at(offset) {
-            Origin::Default(line) | Origin::File(line) => line,
-            Origin::Override(_) => 1,
+        let lines = Lines::of(text);
+        let wrong = |found: &str| {
+            format!("not TOML: {found}; correct the syntax, https://toml.io shows it")
         };
         let table = DeTable::parse(text).map_err(|error| {
             let offset = error.span().map_or(0, |span| span.start);
-            (line(offset), error.message().replace('\n', ", "))
+            (lines.at(offset), wrong(&error.message().replace('\n', ", ")))
         })?;
-        let node = Node::table(table.get_ref(), &at);
-        node.map(|node| Entry { place: at(0), node })
-            .map_err(|(offset, found)| (line(offset), found))
+        let tree = Tree { at: &|offset| place(lines.at(offset)), values: Cell::new(0) };
+        let node = tree.table(table.get_ref());
+        node.map(|node| Entry { place: place(1), node }).map_err(|unread| match unread {
+            Unread::Value(offset, found) => (lines.at(offset), wrong(&found)),
+            Unread::Excess(offset, excess) => (lines.at(offset), excess.to_string()),
+        })
     }
 
     /// The value in `text`; text that is not TOML becomes a string.
     pub(super) fn parse_value(text: &str, place: Origin) -> Self {
         let parsed = DeValue::parse(text).ok();
-        let node = parsed.and_then(|value| Node::from_toml(value.get_ref(), 0, &|_| place).ok());
+        let tree = Tree { at: &|_| place, values: Cell::new(0) };
+        let node = parsed.and_then(|value| tree.node(value.get_ref(), 0).ok());
         Entry { place, node: node.unwrap_or_else(|| Node::Text(text.to_owned())) }
     }
 
@@ -108,38 +111,52 @@ impl Entry {
     }
 }
 
-impl Node {
-    fn table(table: &DeTable<'_>, at: &impl Fn(usize) -> Origin) -> Result<Node, (usize, String)> {
+/// Reads the tree of a document.
+struct Tree<'a> {
+    /// The place of an offset in the text.
+    at: &'a dyn Fn(usize) -> Origin,
+    /// Number of values so far.
+    values: Cell<u64>,
+}
+
+/// Why a value is not read, with its offset in the text.
+enum Unread {
+    /// The value is not of its type.
+    Value(usize, String),
+    /// There are more values than the budget allows.
+    Excess(usize, Excess),
+}
+
+impl Tree<'_> {
+    fn table(&self, table: &DeTable<'_>) -> Result<Node, Unread> {
         let mut entries = BTreeMap::new();
         for (key, value) in table {
-            let node = Node::from_toml(value.get_ref(), value.span().start, at)?;
+            let node = self.node(value.get_ref(), value.span().start)?;
             // The span of a table is its header; for an inline table the key gives the line.
-            let entry = Entry { place: at(key.span().start), node };
+            let entry = Entry { place: (self.at)(key.span().start), node };
             entries.insert(key.get_ref().clone().into_owned(), entry);
         }
         Ok(Node::Table(entries))
     }
 
-    fn list(
-        items: &[Spanned<DeValue<'_>>],
-        at: &impl Fn(usize) -> Origin,
-    ) -> Result<Node, (usize, String)> {
+    fn list(&self, items: &[Spanned<DeValue<'_>>], start: usize) -> Result<Node, Unread> {
+        let last = items.get(LIST_ITEMS.count()).map_or(start, |item| item.span().start);
+        LIST_ITEMS.check_count(items.len()).map_err(|excess| Unread::Excess(last, excess))?;
         let entry = |item: &Spanned<DeValue<'_>>| {
             let start = item.span().start;
-            Ok(Entry { place: at(start), node: Node::from_toml(item.get_ref(), start, at)? })
+            Ok(Entry { place: (self.at)(start), node: self.node(item.get_ref(), start)? })
         };
         items.iter().map(entry).collect::<Result<_, _>>().map(Node::List)
     }
 
-    fn from_toml(
-        value: &DeValue<'_>,
-        start: usize,
-        at: &impl Fn(usize) -> Origin,
-    ) -> Result<Node, (usize, String)> {
-        let refused = |found: &str, allowed: &str| (start, format!("{found} is not {allowed}"));
+    fn node(&self, value: &DeValue<'_>, start: usize) -> Result<Node, Unread> {
+        self.values.set(self.values.get() + 1);
+        TOML_VALUES.check(self.values.get()).map_err(|excess| Unread::Excess(start, excess))?;
+        let refused =
+            |found: &str, allowed: &str| Unread::Value(start, format!("{found} is not {allowed}"));
         match value {
-            DeValue::Table(table) => Node::table(table, at),
-            DeValue::Array(items) => Node::list(items, at),
+            DeValue::Table(table) => self.table(table),
+            DeValue::Array(items) => self.list(items, start),
             DeValue::String(text) => Ok(Node::Text(text.clone().into_owned())),
             DeValue::Boolean(value) => Ok(Node::Switch(*value)),
             DeValue::Datetime(date) => Ok(Node::Date(date.to_string())),
@@ -153,7 +170,9 @@ impl Node {
                 .map_err(|_| refused(digits.as_str(), "a number")),
         }
     }
+}
 
+impl Node {
     /// The found value, in words for a message.
     pub(super) fn words(&self) -> String {
         match self {

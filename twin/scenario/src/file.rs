@@ -11,6 +11,7 @@ use serde::de::DeserializeOwned;
 
 use super::document::{Entry, Origin, dotted};
 use super::merge::{Finding, Schema};
+use twin_input::budget::SCENARIO_BYTES;
 
 /// Largest number of segments in the key of an override; scenarios nest half as deep.
 const MAX_SEGMENTS: usize = 16;
@@ -26,8 +27,8 @@ pub enum ScenarioError {
         /// Error of the operating system.
         reason: String,
     },
-    /// The text is not TOML.
-    #[error("{place}: not TOML: {found}; correct the syntax, https://toml.io shows it")]
+    /// The text is not TOML, or has more lists and values than the budget allows.
+    #[error("{place}: {found}")]
     Syntax {
         /// File and line, or the text of the override.
         place: String,
@@ -75,9 +76,8 @@ pub fn read<T: DeserializeOwned>(
     defaults: &str,
     overrides: &[String],
 ) -> Result<T, ScenarioError> {
-    let text = std::fs::read_to_string(file).map_err(|error| ScenarioError::Unreadable {
-        file: file.to_path_buf(),
-        reason: error.to_string(),
+    let text = twin_input::file::read_text(file, SCENARIO_BYTES).map_err(|error| {
+        ScenarioError::Unreadable { file: file.to_path_buf(), reason: error.to_string() }
     })?;
     read_text(&text, file, defaults, overrides)
 }

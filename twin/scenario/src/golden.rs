@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use super::checks::{CheckError, Violation, signal, signal_names};
 use twin_core::notation::TICK_S;
 use twin_core::tick::Tick;
+use twin_input::budget::REPORT_BYTES;
 
 /// The golden run of a scenario, and the tolerances of the comparison.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -171,7 +172,9 @@ fn broken(
 }
 
 fn read(settings: &GoldenSettings, path: &Path) -> Result<Vec<(f64, Vec<f64>)>, String> {
-    let text = std::fs::read_to_string(path).map_err(|error| format!("no file: {error}"))?;
+    let text = twin_input::file::read_text(path, REPORT_BYTES).map_err(|error| {
+        if error.is_absent() { format!("no file: {error}") } else { error.to_string() }
+    })?;
     let mut lines = text.lines();
     let header: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();
     let columns: Vec<usize> = settings

@@ -50,6 +50,7 @@ use twin_core::flight::{Flight, Parts};
 use twin_core::residual::PredictorInfo;
 use twin_core::residual::weights::WeightsError;
 use twin_core::tuning::Tuning;
+use twin_input::budget::URDF_BYTES;
 #[cfg(feature = "suite")]
 use twin_plant::model::Packages;
 use twin_record::RecordingInfo;
@@ -172,7 +173,7 @@ impl Scenario {
     /// [`BuildError::Unreadable`] if it cannot be read.
     pub fn urdf_text(&self) -> Result<String, BuildError> {
         let path = self.folder().join(&self.settings.vehicle.urdf);
-        std::fs::read_to_string(&path).map_err(|error| BuildError::Unreadable {
+        twin_input::file::read_text(&path, URDF_BYTES).map_err(|error| BuildError::Unreadable {
             file: path.display().to_string(),
             reason: error.to_string(),
         })

@@ -107,7 +107,11 @@ impl Assessor {
             scenario: scenario.name.clone(),
             judge: Judge::new(&settings),
             metrics: Metrics::default(),
-            checks: Checks::new(&settings.checks, &demands::events(&settings)),
+            checks: Checks::new(
+                &settings.checks,
+                &settings.expect.events,
+                demands::begins(&settings),
+            ),
             golden: settings
                 .golden
                 .as_ref()

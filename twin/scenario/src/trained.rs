@@ -10,6 +10,8 @@ use twin_core::residual::nn::kernels::Kernel;
 use twin_core::residual::weights::{Head, SHIPPED, Weights};
 use twin_core::residual::{Predictor, trained};
 use twin_core::tuning::Tuning;
+use twin_input::budget::WEIGHTS_BYTES;
+use twin_input::file;
 
 /// The name of the weights that are built into the program.
 const DEFAULT: &str = "default";
@@ -48,7 +50,7 @@ fn read(folder: &Path, name: &str) -> Result<Weights, BuildError> {
     let unusable = |error| BuildError::Weights { file: name.to_owned(), error };
     if name != DEFAULT {
         let path = folder.join(name);
-        let bytes = std::fs::read(&path).map_err(|error| BuildError::Unreadable {
+        let bytes = file::read(&path, WEIGHTS_BYTES).map_err(|error| BuildError::Unreadable {
             file: path.display().to_string(),
             reason: format!("{error}; predictor.weights names a file that `twin train` wrote"),
         })?;

@@ -9,6 +9,7 @@ use base64::engine::general_purpose::STANDARD;
 
 use super::{ReplayError, fill, json_part};
 use crate::server::viewers::{MESHCAT, VISER, Wheel, export};
+use twin_input::budget::VIEWER_BYTES;
 use twin_record::scene::Scene;
 use twin_record::{Recording, RecordingError, interruption, read_recording};
 
@@ -88,7 +89,7 @@ fn viewer_file(
 ) -> Result<String, ReplayError> {
     let folder = viewers.map(|folder| folder.join(wheel.folder()));
     let path = folder.unwrap_or_else(|| PathBuf::from(wheel.folder())).join(name);
-    std::fs::read_to_string(&path)
+    twin_input::file::read_text(&path, VIEWER_BYTES)
         .map_err(|error| ReplayError::NoViewer { path, why: error.to_string() })
 }
 

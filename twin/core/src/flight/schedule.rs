@@ -2,6 +2,9 @@
 //!
 //! In: the ticks of the flight. Out: the disturbances that are due. State: the disturbances to come.
 
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
 use crate::source::Disturbance;
 use crate::tick::{EventKind, Tick};
 
@@ -41,40 +44,66 @@ impl Condition {
 /// The disturbances to come.
 #[derive(Clone, Debug)]
 pub(super) struct Schedule {
-    /// Disturbances by time, s; the latest is first.
-    timed: Vec<(f64, Disturbance)>,
+    timed: BinaryHeap<Timed>,
+    /// Number of disturbances that were scheduled so far.
+    scheduled: u64,
     waiting: Vec<Trigger>,
 }
 
+/// A disturbance with its time. The earliest is the greatest, and among equal times the one that was scheduled first.
+#[derive(Clone, Debug)]
+struct Timed {
+    at_s: f64,
+    number: u64,
+    disturbance: Disturbance,
+}
+
+impl Ord for Timed {
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.at_s.total_cmp(&self.at_s).then(other.number.cmp(&self.number))
+    }
+}
+
+impl PartialOrd for Timed {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Timed {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Timed {}
+
 impl Schedule {
     pub(super) fn new(timed: Vec<(f64, Disturbance)>, waiting: Vec<Trigger>) -> Self {
-        let mut schedule = Self { timed, waiting };
-        schedule.sort();
+        let mut schedule = Self { timed: BinaryHeap::new(), scheduled: 0, waiting };
+        timed.into_iter().for_each(|(at_s, disturbance)| schedule.add(at_s, disturbance));
         schedule
     }
 
     /// Removes and returns the next disturbance that is due at `now_s`.
     pub(super) fn next(&mut self, now_s: f64) -> Option<Disturbance> {
-        let due = self.timed.last().is_some_and(|(at_s, _)| *at_s <= now_s);
-        if due { self.timed.pop().map(|(_, disturbance)| disturbance) } else { None }
+        let due = self.timed.peek().is_some_and(|timed| timed.at_s <= now_s);
+        if due { self.timed.pop().map(|timed| timed.disturbance) } else { None }
     }
 
     /// Schedules the disturbances of the triggers whose condition `tick` meets.
     pub(super) fn watch(&mut self, tick: &Tick) {
         let now_s = tick.measurement.t_s;
-        let met = self.waiting.extract_if(.., |trigger| trigger.when.met(tick));
-        let then = met.flat_map(|trigger| trigger.then);
-        let before = self.timed.len();
-        self.timed.extend(then.map(|(delay_s, disturbance)| (now_s + delay_s, disturbance)));
-        if self.timed.len() > before {
-            self.sort();
+        let met: Vec<Trigger> =
+            self.waiting.extract_if(.., |trigger| trigger.when.met(tick)).collect();
+        for (delay_s, disturbance) in met.into_iter().flat_map(|trigger| trigger.then) {
+            self.add(now_s + delay_s, disturbance);
         }
     }
 
-    /// Puts the latest first. Among equal times the first given stays last, from where it is taken first.
-    fn sort(&mut self) {
-        self.timed.reverse();
-        self.timed.sort_by(|a, b| b.0.total_cmp(&a.0));
+    fn add(&mut self, at_s: f64, disturbance: Disturbance) {
+        self.timed.push(Timed { at_s, number: self.scheduled, disturbance });
+        self.scheduled += 1;
     }
 }
 
@@ -104,6 +133,17 @@ mod tests {
         assert_eq!(due(&mut schedule, 1.0), [mass(0.1), mass(0.15)]);
         assert_eq!(due(&mut schedule, 9.0), [mass(0.2)]);
         assert_eq!(due(&mut schedule, 9.0), []);
+    }
+
+    #[test]
+    fn equal_times_keep_their_order_when_a_trigger_adds_one() {
+        let when = Condition::default();
+        let timed = vec![(2.0, mass(0.1)), (2.0, mass(0.2))];
+        let there = tick("lift", Vec::new());
+        let then = vec![(2.0 - there.measurement.t_s, mass(0.3))];
+        let mut schedule = Schedule::new(timed, vec![Trigger { when, then }]);
+        schedule.watch(&there);
+        assert_eq!(due(&mut schedule, 2.0), [mass(0.1), mass(0.2), mass(0.3)]);
     }
 
     #[test]

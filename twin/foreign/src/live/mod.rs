@@ -10,6 +10,8 @@ mod backoff;
 mod socket;
 mod tail;
 mod parts;
+#[cfg(test)]
+mod many_tests;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -65,19 +65,19 @@ impl PartReader for LiveParts {
         let range = ns(time_s(first) - 0.5)..ns(time_s(last) + 0.5);
         let tracks: Vec<Track> = {
             let state = self.shared.state();
-            let bases = bases_as(&state.tracks, &self.chosen);
-            let part = |(track, base): (&Track, &Timebase)| {
+            let bases = bases_as(state.tracks(), &self.chosen);
+            let part = |(track, base): (&Track, Timebase)| {
                 // Samples are in order except for jitter, so the search for the part starts at the end.
                 let newest = track.samples.iter().rev();
                 let mut samples: Vec<_> = newest
-                    .take_while(|s| common_ns(s, base) > range.start - 1_000_000_000)
-                    .filter(|s| range.contains(&common_ns(s, base)))
+                    .take_while(|s| common_ns(s, &base) > range.start - 1_000_000_000)
+                    .filter(|s| range.contains(&common_ns(s, &base)))
                     .cloned()
                     .collect();
                 samples.reverse();
                 Track { samples, ..track.bare() }
             };
-            state.tracks.iter().zip(&bases).map(part).collect()
+            state.tracks().zip(bases).map(part).collect()
         };
         let signals = signals_as(&tracks, &self.chosen);
         let times_s = (first..last).map(time_s).collect();

@@ -19,6 +19,8 @@ use super::super::table::Definitions;
 use super::super::topics::Map;
 use super::LOOK;
 use super::pulse::Pulse;
+use twin_input::budget::LIVE_SAMPLES;
+use twin_input::work;
 
 /// Time for which samples stay in memory, s.
 const KEPT_S: f64 = 600.0;
@@ -45,9 +47,14 @@ pub(super) struct Shared {
 pub(super) struct StreamState {
     definitions: Definitions,
     counts: BTreeMap<u16, u64>,
+    /// The first shipped map, in their order, that recognises a topic.
+    family: Option<&'static str>,
     map: Option<(Arc<Map>, String)>,
+    /// Number of maps that were chosen so far.
+    maps: u64,
     collector: Option<MessageDecoder<Arc<Map>>>,
-    pub(super) tracks: Vec<Track>,
+    /// Tracks by channel.
+    tracks: BTreeMap<u16, Vec<Track>>,
     pub(super) pulse: Pulse,
     first_heard_s: Option<f64>,
     pruned_s: f64,
@@ -153,7 +160,7 @@ impl Shared {
     pub(super) fn take(&self, record: Record<'_>) {
         let now_s = self.now_s();
         let mut state = self.state();
-        match &record {
+        let heard = match &record {
             Record::Message { header, .. } => {
                 *state.counts.entry(header.channel_id).or_default() += 1;
                 state.first_heard_s.get_or_insert(now_s);
@@ -169,10 +176,14 @@ impl Shared {
                         .news
                         .push(format!("{}: its clock jumped; a new flight begins", self.name));
                 }
+                header.channel_id
             }
-            Record::Channel(_) => {
-                state.definitions.take(record.into_owned());
-                self.define(&mut state);
+            Record::Channel(channel) => {
+                let number = channel.id;
+                if !state.definitions.channels.contains_key(&number) {
+                    state.definitions.take(record.into_owned());
+                    self.define(&mut state, number);
+                }
                 return;
             }
             Record::Schema { .. } => {
@@ -180,40 +191,30 @@ impl Shared {
                 return;
             }
             _ => return,
-        }
+        };
         if let Some(collector) = &mut state.collector {
             collector.take(record);
         }
-        state.store(now_s);
+        state.store(heard, now_s);
     }
 
-    /// Chooses the map by the topics that are known so far.
-    fn define(&self, state: &mut StreamState) {
-        let topics: Vec<&str> =
-            state.definitions.channels.values().map(|channel| channel.topic.as_str()).collect();
-        let Ok((map, name)) = choose_map(self.wanted_map.as_deref(), Map::detect(&topics)) else {
-            return;
-        };
-        let changed = state.map.as_ref().is_none_or(|(_, known)| *known != name);
-        if changed {
-            let map = Arc::new(map);
-            state.collector = Some(MessageDecoder::new(Arc::clone(&map), None));
-            state.map = Some((map, name));
-        }
-        if let Some(collector) = &mut state.collector {
-            // The collector skips channels that are already open.
-            state.definitions.records(&mut |record| collector.take(record));
-            let before = std::mem::take(&mut state.tracks);
-            let same = |track: &Track, known: &Track| {
-                track.channel == known.channel && track.quantity == known.quantity
-            };
-            state.tracks = collector.empty_tracks();
-            for track in &mut state.tracks {
-                if let Some(known) = before.iter().find(|known| same(track, known) && !changed) {
-                    track.samples.clone_from(&known.samples);
-                }
+    /// Takes a new channel: chooses the map by the topics that are known so far, and opens the channel with it.
+    fn define(&self, state: &mut StreamState, number: u16) {
+        let topic = state.definitions.channels.get(&number).map(|channel| channel.topic.as_str());
+        let family = Map::detect(topic.as_slice());
+        let better = Map::first_of(state.family, family);
+        if state.map.is_none() || better != state.family {
+            state.family = better;
+            if let Ok((map, name)) = choose_map(self.wanted_map.as_deref(), better) {
+                state.choose(Arc::new(map), name);
             }
         }
+        state.open(number);
+    }
+
+    /// Number of maps that were chosen so far; a channel that no map asked for may be asked for by the next.
+    pub(super) fn maps(&self) -> u64 {
+        self.state().maps
     }
 
     /// Whether the map asks for a channel of this topic and schema.
@@ -297,23 +298,59 @@ impl Shared {
 }
 
 impl StreamState {
+    /// The tracks in order of their channels.
+    pub(super) fn tracks(&self) -> impl Iterator<Item = &Track> {
+        self.tracks.values().flatten()
+    }
+
+    /// Decodes with `map` from now on, unless it is the map in use.
+    fn choose(&mut self, map: Arc<Map>, name: String) {
+        if self.map.as_ref().is_some_and(|(_, known)| *known == name) {
+            return;
+        }
+        self.collector = Some(MessageDecoder::new(Arc::clone(&map), None));
+        self.map = Some((map, name));
+        self.maps += 1;
+        self.tracks.clear();
+        let numbers: Vec<u16> = self.definitions.channels.keys().copied().collect();
+        numbers.into_iter().for_each(|number| self.open(number));
+    }
+
+    /// Opens a channel whose definition is known.
+    fn open(&mut self, number: u16) {
+        let Some(collector) = &mut self.collector else { return };
+        self.definitions.records_of(number, &mut |record| collector.take(record));
+        let tracks = collector.empty_tracks_of(number);
+        if !tracks.is_empty() {
+            self.tracks.entry(number).or_insert(tracks);
+        }
+    }
+
     /// Forgets the samples, because another flight began or the clock was set.
     fn begin_anew(&mut self) {
-        self.tracks.iter_mut().for_each(|track| track.samples.clear());
+        self.tracks.values_mut().flatten().for_each(|track| track.samples.clear());
         (self.start_ns, self.effort_known) = (None, false);
         self.generation += 1;
     }
 
-    /// Stores the decoded samples, and removes samples that are too old.
-    fn store(&mut self, now_s: f64) {
+    /// Stores the decoded samples of a channel, and removes samples that are too old or too many.
+    fn store(&mut self, channel: u16, now_s: f64) {
         let Some(collector) = &mut self.collector else { return };
-        for (track, samples) in self.tracks.iter_mut().zip(collector.drain()) {
+        let samples = collector.drain_of(channel);
+        let tracks = self.tracks.get_mut(&channel).map_or(&mut [][..], |tracks| tracks);
+        for (track, samples) in tracks.iter_mut().zip(samples) {
+            work::steps(1);
             track.samples.extend(samples);
+            // An eighth is removed at once, so that each sample is moved a few times at most.
+            let most = LIVE_SAMPLES.count();
+            if track.samples.len() > most + most / 8 {
+                track.samples.drain(..track.samples.len() - most);
+            }
         }
         if now_s - self.pruned_s > 1.0 {
             self.pruned_s = now_s;
             let oldest = self.pulse.now_s(now_s).unwrap_or(0.0) - KEPT_S;
-            for track in &mut self.tracks {
+            for track in self.tracks.values_mut().flatten() {
                 let old = track.samples.partition_point(|s| (s.log_ns as f64 * 1e-9) < oldest);
                 track.samples.drain(..old);
             }
@@ -322,13 +359,13 @@ impl StreamState {
 
     /// The last minute of samples, by which the flight is judged.
     fn gathered(&self) -> Gathered {
-        let newest = self.tracks.iter().filter_map(|track| track.samples.last());
+        let newest = self.tracks().filter_map(|track| track.samples.last());
         let newest_ns = newest.map(|sample| sample.log_ns).max().unwrap_or(0);
         let from_ns = newest_ns.saturating_sub(JUDGED_NS);
         let late = |track: &Track| {
             let first = track.samples.partition_point(|sample| sample.log_ns < from_ns);
             Track { samples: track.samples[first..].to_vec(), ..track.bare() }
         };
-        Gathered { tracks: self.tracks.iter().map(late).collect(), notes: Vec::new() }
+        Gathered { tracks: self.tracks().map(late).collect(), notes: Vec::new() }
     }
 }

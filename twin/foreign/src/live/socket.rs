@@ -13,10 +13,13 @@ use mcap::records::{Channel, MessageHeader, Record, SchemaHeader};
 use serde::Deserialize;
 use tungstenite::client::IntoClientRequest;
 use tungstenite::http::HeaderValue;
+use tungstenite::protocol::WebSocketConfig;
 use tungstenite::{Message, WebSocket};
 
 use super::Shared;
 use super::backoff::Backoff;
+use twin_input::budget::{CHANNELS, STREAM_MESSAGE_BYTES};
+use twin_input::work;
 
 /// Sub-protocols in order of preference.
 const PROTOCOLS: &str = "foxglove.sdk.v1, foxglove.websocket.v1";
@@ -41,7 +44,7 @@ const DATA_HEAD_BYTES: usize = 1 + 4 + 8;
 /// The JSON messages of a server that this client needs.
 #[derive(Debug, Deserialize)]
 #[serde(tag = "op", rename_all = "camelCase")]
-enum Said {
+pub(super) enum Said {
     Advertise {
         channels: Vec<Advertised>,
     },
@@ -56,15 +59,15 @@ enum Said {
 /// A channel that the server advertises.
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
-struct Advertised {
-    id: u64,
-    topic: String,
-    encoding: String,
+pub(super) struct Advertised {
+    pub(super) id: u64,
+    pub(super) topic: String,
+    pub(super) encoding: String,
     #[serde(default)]
-    schema_name: String,
+    pub(super) schema_name: String,
     #[serde(default)]
-    schema: String,
-    schema_encoding: Option<String>,
+    pub(super) schema: String,
+    pub(super) schema_encoding: Option<String>,
 }
 
 /// Connects, and reconnects, until it is told to stop.
@@ -94,14 +97,17 @@ fn connect(url: &str) -> Result<WebSocket<TcpStream>, String> {
     let stream = TcpStream::connect_timeout(&address, CONNECT).map_err(|e| e.to_string())?;
     let timed = stream.set_read_timeout(Some(CONNECT)).and_then(|()| stream.set_nodelay(true));
     timed.map_err(|error| error.to_string())?;
-    let (socket, _) = tungstenite::client(request, stream).map_err(|error| error.to_string())?;
+    let most = Some(STREAM_MESSAGE_BYTES.count());
+    let budget = WebSocketConfig::default().max_message_size(most).max_frame_size(most);
+    let (socket, _) = tungstenite::client::client_with_config(request, stream, Some(budget))
+        .map_err(|error| error.to_string())?;
     socket.get_ref().set_read_timeout(Some(READ)).map_err(|error| error.to_string())?;
     Ok(socket)
 }
 
 /// Our channel numbers, which stay the same across connections.
 #[derive(Default)]
-struct Numbers {
+pub(super) struct Numbers {
     by_name: BTreeMap<(String, String, String), u16>,
 }
 
@@ -115,12 +121,17 @@ impl Numbers {
 
 /// The subscriptions of one connection.
 #[derive(Default)]
-struct Subscribed {
+pub(super) struct Subscribed {
     /// Our channel number by subscription.
     channels: BTreeMap<u32, u16>,
+    /// Channels that are offered and not subscribed, with their schema, by the server's numbers.
+    offered: BTreeMap<u64, (Channel, String)>,
     /// The server's numbers of the subscribed channels.
     known: BTreeSet<u64>,
-    offered: Vec<(u64, Channel, String)>,
+    /// The server's numbers of the channels that no map was asked about yet.
+    fresh: Vec<u64>,
+    /// Number of maps that were chosen when the channels were asked about.
+    maps: u64,
 }
 
 /// Reads until the connection ends; returns `Ok` if it was told to stop.
@@ -138,7 +149,7 @@ fn read(
             Ok(Message::Text(text)) => {
                 // A message that cannot be parsed is none that this client needs.
                 if let Ok(said) = serde_json::from_str::<Said>(&text)
-                    && let Some(answer) = subscribed.hear(shared, said, numbers)
+                    && let Some(answer) = subscribed.hear(shared, said, numbers)?
                 {
                     socket.send(Message::text(answer)).map_err(|error| error.to_string())?;
                 }
@@ -179,21 +190,30 @@ fn is_timeout(error: &std::io::Error) -> bool {
 }
 
 impl Subscribed {
-    /// Takes a JSON message; returns the answer, if it needs one.
-    fn hear(&mut self, shared: &Shared, said: Said, numbers: &mut Numbers) -> Option<String> {
+    /// Takes a JSON message; returns the answer, if it needs one. More channels than the budget allows end the connection.
+    pub(super) fn hear(
+        &mut self,
+        shared: &Shared,
+        said: Said,
+        numbers: &mut Numbers,
+    ) -> Result<Option<String>, String> {
         match said {
             Said::Advertise { channels } => {
                 for channel in channels {
                     self.offer(shared, channel, numbers);
                 }
-                self.wanted(shared)
+                let all = self.offered.len() + self.channels.len();
+                CHANNELS.check_count(all).map_err(|excess| excess.to_string())?;
+                Ok(self.wanted(shared))
             }
             Said::Unadvertise { channel_ids } => {
-                self.offered.retain(|(id, ..)| !channel_ids.contains(id));
-                self.known.retain(|id| !channel_ids.contains(id));
-                None
+                for id in channel_ids {
+                    self.offered.remove(&id);
+                    self.known.remove(&id);
+                }
+                Ok(None)
             }
-            Said::Else => None,
+            Said::Else => Ok(None),
         }
     }
 
@@ -223,17 +243,28 @@ impl Subscribed {
             metadata: BTreeMap::new(),
         };
         shared.take(Record::Channel(channel.clone()));
-        self.offered.push((offered.id, channel, offered.schema_name));
+        self.offered.insert(offered.id, (channel, offered.schema_name));
+        self.fresh.push(offered.id);
     }
 
     /// A subscription request for all channels that the map asks for and that are not yet subscribed.
     fn wanted(&mut self, shared: &Shared) -> Option<String> {
+        let mut fresh = std::mem::take(&mut self.fresh);
+        let maps = shared.maps();
+        if maps != self.maps {
+            // Another map may ask for channels that were offered before.
+            fresh = self.offered.keys().copied().collect();
+            self.maps = maps;
+        }
         let mut subscriptions = Vec::new();
-        for (id, channel, schema) in &self.offered {
-            if !self.known.contains(id) && shared.wants(channel, schema) {
+        for id in fresh {
+            work::steps(1);
+            let wanted = |(channel, schema): &(Channel, String)| shared.wants(channel, schema);
+            if !self.known.contains(&id) && self.offered.get(&id).is_some_and(wanted) {
+                let Some((channel, _)) = self.offered.remove(&id) else { continue };
                 let subscription = self.channels.len() as u32 + 1;
                 self.channels.insert(subscription, channel.id);
-                self.known.insert(*id);
+                self.known.insert(id);
                 subscriptions.push(serde_json::json!({ "id": subscription, "channelId": id }));
             }
         }

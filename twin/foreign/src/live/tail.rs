@@ -1,13 +1,14 @@
 //! An MCAP file that is still being written: reads its records as they become complete.
 
-use std::fs::File;
 use std::io::SeekFrom;
 use std::path::Path;
 use std::time::Duration;
 
-use super::super::container::{CHUNK, DATA_END, FOOTER, HEAD_BYTES, LONGEST_RECORD_BYTES, unpack};
 use super::super::table::{Input, read_at};
 use super::Shared;
+use twin_input::budget::RECORD_BYTES;
+use twin_input::{Inflation, file};
+use twin_record::pieces::{CHUNK, DATA_END, FOOTER, HEAD_BYTES, Next, unpack};
 
 /// Pause before a file that did not grow is checked again.
 const LOOK: Duration = Duration::from_millis(50);
@@ -16,7 +17,7 @@ const LOOK: Duration = Duration::from_millis(50);
 /// again.
 pub(super) fn follow(shared: &Shared, path: &Path) {
     while !shared.is_stopped() {
-        match File::open(path) {
+        match file::open(path) {
             Ok(mut file) => {
                 shared.is_connected();
                 if let Err(why) = read(shared, &mut file) {
@@ -31,7 +32,7 @@ pub(super) fn follow(shared: &Shared, path: &Path) {
 
 /// Reads until it is told to stop, the recorder closes the file, or the file becomes shorter.
 fn read(shared: &Shared, file: &mut dyn Input) -> Result<(), String> {
-    let mut at = 0;
+    let (mut at, mut inflation) = (0, Inflation::default());
     loop {
         if shared.is_stopped() {
             return Ok(());
@@ -57,8 +58,11 @@ fn read(shared: &Shared, file: &mut dyn Input) -> Result<(), String> {
         if matches!(head[0], DATA_END | FOOTER) {
             return ended(shared, file, length);
         }
+        if let (true, Some(damage)) = (body > RECORD_BYTES.most, Next::TooLong(body).damage(at)) {
+            return Err(damage);
+        }
         // Some recorders write zero as the length of a chunk and fill it in when they close the chunk.
-        if body > LONGEST_RECORD_BYTES || body == 0 || length < at + HEAD_BYTES as u64 + body {
+        if body == 0 || length < at + HEAD_BYTES as u64 + body {
             shared.pause(LOOK);
             continue;
         }
@@ -66,7 +70,7 @@ fn read(shared: &Shared, file: &mut dyn Input) -> Result<(), String> {
             read_at(file, at, HEAD_BYTES as u64 + body).map_err(|error| error.to_string())?;
         at += record.len() as u64;
         if record[0] == CHUNK {
-            let end = unpack(&record, true, &mut |record| shared.take(record));
+            let end = unpack(&record, true, &mut inflation, &mut |record| shared.take(record));
             end.map_err(|error| format!("a chunk is damaged: {error}"))?;
         } else if let Ok(record) = mcap::parse_record(record[0], &record[HEAD_BYTES..]) {
             shared.take(record);

@@ -16,6 +16,7 @@ use super::adam::Adam;
 use super::config::TrainConfig;
 use super::file::write_whole;
 use super::parameters::{Parameter, Parameters};
+use twin_input::budget::CHECKPOINT_BYTES;
 
 /// Key of the state in the file's metadata.
 const KEY: &str = "twin.checkpoint";
@@ -123,7 +124,7 @@ impl Checkpoint {
     /// [`LearnError`] if the file is missing or damaged, or belongs to another model.
     pub fn read(path: &Path, like: &Parameters) -> Result<Self, LearnError> {
         let unusable = |why: &dyn std::fmt::Display| LearnError::read(path, why);
-        let bytes = std::fs::read(path).map_err(|why| unusable(&why))?;
+        let bytes = twin_input::file::read(path, CHECKPOINT_BYTES).map_err(|why| unusable(&why))?;
         let (_, metadata) = SafeTensors::read_metadata(&bytes).map_err(|why| unusable(&why))?;
         let text = metadata
             .metadata()

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::LearnError;
 use twin_core::residual::weights::ModelKind;
+use twin_input::budget::SETTINGS_BYTES;
 
 const SMALL: &str = include_str!("configs/small.toml");
 const PAPER: &str = include_str!("configs/paper.toml");
@@ -100,10 +101,12 @@ impl TrainConfig {
             "small" => Self::parse(SMALL, name),
             "paper" => Self::parse(PAPER, name),
             file => {
-                let text = std::fs::read_to_string(Path::new(file)).map_err(|why| {
-                    let why = format!("{why}; allowed are small, paper or a TOML file");
-                    LearnError::Config { source_name: file.to_owned(), why }
-                })?;
+                let text = twin_input::file::read_text(Path::new(file), SETTINGS_BYTES).map_err(
+                    |why| {
+                        let why = format!("{why}; allowed are small, paper or a TOML file");
+                        LearnError::Config { source_name: file.to_owned(), why }
+                    },
+                )?;
                 Self::parse(&text, file)
             }
         }

@@ -10,6 +10,8 @@ use roxmltree::{Document, Node};
 
 use super::ModelError;
 use super::numbers::{NUMBERS, Number};
+use twin_input::budget::{ATTRIBUTES, JOINTS, LINKS};
+use twin_input::{Excess, Limit, Lines};
 
 /// Deepest nesting of elements. URDF needs six, and the recursive readers of XML can take far more.
 const MAX_DEPTH: usize = 32;
@@ -21,11 +23,20 @@ const KINDS: [&str; 4] = ["fixed", "revolute", "continuous", "prismatic"];
 pub(super) struct Source<'a> {
     file: &'a Path,
     document: Document<'a>,
+    lines: Lines,
 }
 
 impl<'a> Source<'a> {
     /// The XML of `text`, checked.
     pub(super) fn parse(text: &'a str, file: &'a Path) -> Result<Self, ModelError> {
+        let lines = Lines::of(text);
+        check_attributes(text).map_err(|(at, excess)| ModelError::Refused {
+            file: file.to_path_buf(),
+            line: lines.at(at),
+            found: format!("{} {}", excess.found, excess.limit.of),
+            allowed: format!("at most {}", excess.limit.most),
+            remedy: excess.limit.remedy.into(),
+        })?;
         let document = Document::parse(text).map_err(|error| ModelError::Refused {
             file: file.to_path_buf(),
             line: error.pos().row,
@@ -33,8 +44,10 @@ impl<'a> Source<'a> {
             allowed: "one complete <robot> element".into(),
             remedy: "close every element and quote every attribute".into(),
         })?;
-        let source = Source { file, document };
+        let source = Source { file, document, lines };
         source.check_root()?;
+        source.check_count(&LINKS, &source.links())?;
+        source.check_count(&JOINTS, &source.joints())?;
         source.check_names("link", &source.links())?;
         source.check_names("joint", &source.joints())?;
         source.links().into_iter().try_for_each(|link| source.check_link(link))?;
@@ -62,7 +75,7 @@ impl<'a> Source<'a> {
 
     /// Line of an element, from 1.
     pub(super) fn line(&self, node: Node<'_, '_>) -> u32 {
-        self.document.text_pos_at(node.range().start).row
+        self.lines.at(node.range().start)
     }
 
     /// The error that refuses `node`; `found`, `allowed` and `remedy` are parts of its message.
@@ -113,6 +126,15 @@ impl<'a> Source<'a> {
             return Err(self.refuse(root, "a robot without links", "one or more <link>", remedy));
         }
         Ok(())
+    }
+
+    fn check_count(&self, limit: &Limit, nodes: &[Node<'_, '_>]) -> Result<(), ModelError> {
+        limit.check_count(nodes.len()).map_err(|excess| {
+            let (found, allowed) = (excess.found, excess.limit.most);
+            let first = nodes.get(limit.count()).copied().unwrap_or(self.root());
+            let found = format!("{found} {}", limit.of);
+            self.refuse(first, found, format!("at most {allowed}"), limit.remedy)
+        })
     }
 
     fn check_names(&self, what: &str, nodes: &[Node<'_, '_>]) -> Result<(), ModelError> {
@@ -237,6 +259,26 @@ impl<'a> Source<'a> {
             }
         }
     }
+}
+
+/// Refuses an element with more attributes than the budget allows, by the number of its equals signs; returns its offset.
+fn check_attributes(text: &str) -> Result<(), (usize, Excess)> {
+    let (mut begin, mut count, mut quote) = (0, 0, None);
+    for (at, byte) in text.bytes().enumerate() {
+        match (quote, byte) {
+            (Some(open), _) if open == byte => quote = None,
+            (Some(_), _) => {}
+            (None, b'<' | b'>') => (begin, count) = (at, 0),
+            // Outside of a tag a quote is a part of the text.
+            (None, b'"' | b'\'') if count > 0 => quote = Some(byte),
+            (None, b'=') => {
+                count += 1;
+                ATTRIBUTES.check(count).map_err(|excess| (begin, excess))?;
+            }
+            _ => {}
+        }
+    }
+    Ok(())
 }
 
 /// Child elements of `node` called `name`.

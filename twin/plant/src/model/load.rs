@@ -1,5 +1,6 @@
 //! Turns the values of `urdf-rs` into a [`Robot`]: indices instead of names, an isometry for each origin, meshes read.
 
+use std::cell::Cell;
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -11,9 +12,14 @@ use super::{
     Geometry, Inertial, Joint, JointKind, Link, Mimic, ModelError, Packages, Robot, Shape, inertia,
     mesh, tree,
 };
+use twin_input::budget::URDF_BYTES;
+use twin_input::{file, work};
 
 /// Colour of a visual without one.
 const GREY: [f32; 4] = [0.7, 0.7, 0.7, 1.0];
+
+/// Most names that an error lists.
+const SHOWN_NAMES: usize = 30;
 
 /// Shortest axis; below it the direction is noise.
 const MIN_AXIS_LENGTH: f64 = 1e-9;
@@ -24,7 +30,7 @@ impl Robot {
     /// # Errors
     /// [`ModelError`] if the file cannot be read, or for the reasons of [`Robot::parse`].
     pub fn load(path: &Path, packages: &Packages) -> Result<Robot, ModelError> {
-        let text = std::fs::read_to_string(path).map_err(|error| ModelError::Unreadable {
+        let text = file::read_text(path, URDF_BYTES).map_err(|error| ModelError::Unreadable {
             file: path.to_path_buf(),
             reason: error.to_string(),
         })?;
@@ -41,7 +47,13 @@ impl Robot {
             let found = format!("not readable as URDF: {error}");
             source.refuse(source.root(), found, "URDF 1.0 to 1.2", "compare with urdf/")
         })?;
-        let loader = Loader { source: &source, file, packages, colours: colours(&urdf) };
+        let loader = Loader {
+            source: &source,
+            file,
+            packages,
+            colours: colours(&urdf),
+            mesh_bytes: Cell::new(0),
+        };
         let nodes = source.links();
         let links: Vec<Link> = urdf
             .links
@@ -49,15 +61,17 @@ impl Robot {
             .zip(&nodes)
             .map(|(link, node)| loader.link(link, *node))
             .collect::<Result<_, _>>()?;
+        let places = Places::of(links.iter().map(|link| &*link.name));
         let mut joints: Vec<Joint> = urdf
             .joints
             .iter()
             .zip(source.joints())
-            .map(|(joint, node)| loader.joint(joint, node, &links))
+            .map(|(joint, node)| loader.joint(joint, node, &places))
             .collect::<Result<_, _>>()?;
         let (order, root) = tree::order(&source, &links, &joints)?;
+        let leaders = Places::of(order.iter().map(|&place| &*urdf.joints[place].name));
         for (index, joint) in urdf.joints.iter().enumerate() {
-            joints[index].mimic = loader.mimic(joint, index, &urdf.joints, &order)?;
+            joints[index].mimic = loader.mimic(joint, index, &urdf.joints, (&order, &leaders))?;
         }
         let joints: Vec<Joint> = order.iter().map(|&index| joints[index].clone()).collect();
         loader.check_masses(&nodes, &links, &joints)?;
@@ -70,6 +84,28 @@ struct Loader<'a> {
     file: &'a Path,
     packages: &'a Packages,
     colours: HashMap<String, [f32; 4]>,
+    /// Bytes of the mesh files so far.
+    mesh_bytes: Cell<u64>,
+}
+
+/// The places of names in a list.
+struct Places<'a> {
+    by_name: HashMap<&'a str, usize>,
+    /// The names in order.
+    names: Vec<&'a str>,
+}
+
+impl<'a> Places<'a> {
+    fn of(names: impl Iterator<Item = &'a str>) -> Self {
+        let names: Vec<&str> = names.collect();
+        work::steps(names.len());
+        Self { by_name: names.iter().enumerate().map(|(at, name)| (*name, at)).collect(), names }
+    }
+
+    fn get(&self, name: &str) -> Option<usize> {
+        work::steps(1);
+        self.by_name.get(name).copied()
+    }
 }
 
 impl Loader<'_> {
@@ -137,7 +173,7 @@ impl Loader<'_> {
         let element = node.descendants().find(|child| child.has_tag_name("mesh")).unwrap_or(node);
         self.packages
             .resolve(reference, self.file)
-            .and_then(|path| mesh::read(&path))
+            .and_then(|path| mesh::read(&path, &self.mesh_bytes))
             .map(|triangles| triangles.scaled(scale))
             .map_err(|(found, remedy)| ModelError::Mesh {
                 file: self.file.to_path_buf(),
@@ -152,7 +188,7 @@ impl Loader<'_> {
         &self,
         joint: &urdf_rs::Joint,
         node: Node<'_, '_>,
-        links: &[Link],
+        links: &Places<'_>,
     ) -> Result<Joint, ModelError> {
         let name = &joint.name;
         let kind = match joint.joint_type {
@@ -204,35 +240,33 @@ impl Loader<'_> {
         &self,
         name: &str,
         node: Node<'_, '_>,
-        links: &[Link],
+        links: &Places<'_>,
     ) -> Result<usize, ModelError> {
-        links.iter().position(|link| link.name == name).ok_or_else(|| {
+        links.get(name).ok_or_else(|| {
             let found = format!("unknown link {name:?}");
-            let known: Vec<&str> = links.iter().map(|link| link.name.as_str()).collect();
-            self.source.refuse(node, found, known.join(", "), "correct the name or add the link")
+            let known = listed(&links.names);
+            self.source.refuse(node, found, known, "correct the name or add the link")
         })
     }
 
-    /// Resolves `<mimic>`; the index of the leader is its position in `order`, which is the order of the finished robot.
+    /// Resolves `<mimic>`; the index of the leader is its place in `order`, which is the order of the finished robot.
     fn mimic(
         &self,
         joint: &urdf_rs::Joint,
         index: usize,
         joints: &[urdf_rs::Joint],
-        order: &[usize],
+        (order, places): (&[usize], &Places<'_>),
     ) -> Result<Option<Mimic>, ModelError> {
         let Some(mimic) = &joint.mimic else { return Ok(None) };
         let moves = |other: &urdf_rs::Joint| {
             other.mimic.is_none() && other.joint_type != urdf_rs::JointType::Fixed
         };
-        let leader = order
-            .iter()
-            .position(|&place| joints[place].name == mimic.joint && moves(&joints[place]));
+        let leader = places.get(&mimic.joint).filter(|&place| moves(&joints[order[place]]));
         let Some(leader) = leader else {
             let found = format!("joint {:?} mimics {:?}", joint.name, mimic.joint);
             let free: Vec<&str> =
                 joints.iter().filter(|other| moves(other)).map(|other| &*other.name).collect();
-            let allowed = format!("a moving joint that mimics none: {}", free.join(", "));
+            let allowed = format!("a moving joint that mimics none: {}", listed(&free));
             let node = self.source.joints()[index];
             return Err(self.source.refuse(node, found, allowed, "name the leading joint"));
         };
@@ -260,6 +294,15 @@ impl Loader<'_> {
         let allowed = "massless links only where a fixed joint ties them to one with mass";
         let remedy = "add <inertial> with mass and inertia";
         Err(self.source.refuse(nodes[bare], found, allowed, remedy))
+    }
+}
+
+/// Names for an error; of many only the first.
+fn listed(names: &[&str]) -> String {
+    let first = names[..names.len().min(SHOWN_NAMES)].join(", ");
+    match names.len().saturating_sub(SHOWN_NAMES) {
+        0 => first,
+        more => format!("{first} and {more} more"),
     }
 }
 

@@ -17,6 +17,8 @@ mod kinematics;
 mod statics;
 
 #[cfg(test)]
+mod many_tests;
+#[cfg(test)]
 mod refusals;
 #[cfg(test)]
 mod tests;

@@ -2,6 +2,7 @@
 
 use super::check::Source;
 use super::{Joint, Link, ModelError};
+use twin_input::work;
 
 /// Joint indices in topological order and the root link's index. `joints` are in the order of the file.
 pub(super) fn order(
@@ -30,17 +31,24 @@ pub(super) fn order(
         let remedy = "join one to the other with a joint, fixed if it does not move";
         return Err(source.refuse(source.links()[second], found, "one root link", remedy));
     }
+    let mut moves: Vec<Vec<usize>> = vec![Vec::new(); links.len()];
+    for (index, joint) in joints.iter().enumerate() {
+        moves[joint.parent].push(index);
+    }
     let mut reached: Vec<usize> = roots.clone();
     let mut order = Vec::with_capacity(joints.len());
+    let mut ordered = vec![false; joints.len()];
     let mut next = 0;
     while let Some(&link) = reached.get(next) {
         next += 1;
-        for (index, joint) in joints.iter().enumerate().filter(|(_, joint)| joint.parent == link) {
+        for &index in &moves[link] {
+            work::steps(1);
             order.push(index);
-            reached.push(joint.child);
+            ordered[index] = true;
+            reached.push(joints[index].child);
         }
     }
-    match (roots.first(), (0..joints.len()).find(|index| !order.contains(index))) {
+    match (roots.first(), ordered.iter().position(|ordered| !ordered)) {
         (Some(&root), None) => Ok((order, root)),
         (_, index) => {
             let node = index.map_or(source.root(), |index| nodes[index]);

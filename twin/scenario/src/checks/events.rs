@@ -1,11 +1,13 @@
 //! Checks that an event happens or does not happen, within a time and after another event.
 
+use std::collections::HashSet;
 use std::fmt::Write;
 
 use serde::{Deserialize, Serialize};
 
 use super::{CheckError, Violation};
 use twin_core::tick::{EventKind, Tick};
+use twin_input::work;
 
 /// A demand on the events of a flight.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -60,23 +62,38 @@ pub(crate) fn validate(checks: &[EventCheck]) -> Result<(), CheckError> {
 /// The events so far, and the checks on them.
 pub(super) struct Events {
     checks: Vec<EventCheck>,
+    /// Sentences of the disturbances that must happen, each exactly so.
+    begins: Vec<String>,
     seen: Vec<(f64, EventKind, String)>,
 }
 
 impl Events {
-    pub(super) fn new(checks: &[EventCheck]) -> Self {
-        Self { checks: checks.to_vec(), seen: Vec::new() }
+    pub(super) fn new(checks: &[EventCheck], begins: Vec<String>) -> Self {
+        Self { checks: checks.to_vec(), begins, seen: Vec::new() }
     }
 
     pub(super) fn add(&mut self, tick: &Tick) {
-        if !self.checks.is_empty() {
+        if !(self.checks.is_empty() && self.begins.is_empty()) {
             let t_s = tick.measurement.t_s;
             self.seen.extend(tick.events.iter().map(|e| (t_s, e.kind, e.text.clone())));
         }
     }
 
     pub(super) fn finish(&self, last_s: f64) -> Vec<Violation> {
-        self.checks.iter().filter_map(|check| check.broken(&self.seen, last_s)).collect()
+        let broken = self.checks.iter().filter_map(|check| check.broken(&self.seen, last_s));
+        broken.chain(self.absent(last_s)).collect()
+    }
+
+    /// The disturbances that did not happen. A scenario may have thousands, so they are looked up and not searched.
+    fn absent(&self, last_s: f64) -> impl Iterator<Item = Violation> {
+        let disturbances = self.seen.iter().filter(|(_, kind, _)| *kind == EventKind::Disturbance);
+        let happened: HashSet<&str> = disturbances.map(|(.., text)| text.as_str()).collect();
+        work::steps(self.seen.len() + self.begins.len());
+        let absent = self.begins.iter().filter(move |text| !happened.contains(text.as_str()));
+        absent.filter_map(move |text| {
+            let text = Some(text.clone());
+            EventCheck { text, ..EventCheck::of(EventKind::Disturbance) }.broken(&[], last_s)
+        })
     }
 }
 
@@ -95,6 +112,7 @@ impl EventCheck {
     }
 
     fn broken(&self, seen: &[(f64, EventKind, String)], last_s: f64) -> Option<Violation> {
+        work::steps(seen.len());
         let fits = |wanted: EventKind, part: &Option<String>, event: &(f64, EventKind, String)| {
             event.1 == wanted && part.as_ref().is_none_or(|part| event.2.contains(part))
         };

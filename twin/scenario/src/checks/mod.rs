@@ -129,15 +129,16 @@ struct Window {
 }
 
 impl Checks {
-    /// The state of these checks at the start of a flight; a check of an unknown signal is skipped.
-    pub fn new(checks: &[Check], events: &[EventCheck]) -> Self {
+    /// The state of these checks at the start of a flight; a check of an unknown signal is skipped. `begins` are the sentences of the
+    /// disturbances that must happen, each exactly so.
+    pub fn new(checks: &[Check], events: &[EventCheck], begins: Vec<String>) -> Self {
         let window = |check: &Check| {
             let read = signals::find(&check.signal)?;
             Some(Window { check: check.clone(), read, samples: Vec::new() })
         };
         Self {
             windows: checks.iter().filter_map(window).collect(),
-            events: Events::new(events),
+            events: Events::new(events, begins),
             last_s: 0.0,
         }
     }

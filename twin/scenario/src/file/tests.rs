@@ -263,3 +263,62 @@ proptest! {
         let _ = read(&edited, &[]);
     }
 }
+
+/// A scenario with `count` faults.
+fn faults(count: usize) -> String {
+    let fault = |n: usize| format!("[[faults.list]]\nkind = \"rotor\"\nat_s = {n}.5\n");
+    (0..count).map(fault).collect()
+}
+
+#[test]
+fn the_work_of_a_scenario_grows_with_its_faults_and_not_with_their_square() {
+    let growth = twin_input::work::growth(300, &mut |count| {
+        let text = faults(count);
+        let parsed = Entry::parse(&text, Origin::File);
+        assert!(parsed.is_ok());
+    });
+    assert!(
+        growth < twin_input::work::LINEAR,
+        "four times the faults took {growth:.1} times the steps"
+    );
+}
+
+#[test]
+fn as_many_elements_in_a_list_as_the_budget_allows_are_read_and_one_more_is_refused() {
+    let most = twin_input::budget::LIST_ITEMS.count();
+    assert!(Entry::parse(&faults(most), Origin::File).is_ok());
+    let (line, said) = Entry::parse(&faults(most + 1), Origin::File).unwrap_err();
+    // Each fault has three lines; the first that is too many begins after the others.
+    assert_eq!(line as usize, 3 * most + 1);
+    assert!(said.contains("found 20001 elements in one list, at most 20000"), "{said}");
+}
+
+#[test]
+fn as_many_values_as_the_budget_allows_are_read_and_one_more_is_refused() {
+    let most = twin_input::budget::TOML_VALUES.count();
+    // Each line gives a list and its elements.
+    let lists = |values: usize| {
+        let line = |n: usize| format!("a{n} = [{}]\n", "1,".repeat(999));
+        let whole: String = (0..values / 1000).map(line).collect();
+        whole + &(0..values % 1000).map(|n| format!("b{n} = 1\n")).collect::<String>()
+    };
+    assert!(Entry::parse(&lists(most), Origin::File).is_ok());
+    let (line, said) = Entry::parse(&lists(most + 1), Origin::File).unwrap_err();
+    assert_eq!(line, 501);
+    assert!(said.contains("found 500001 values, at most 500000"), "{said}");
+}
+
+#[test]
+fn deep_nesting_is_refused_on_a_small_stack() {
+    let read = || {
+        let deep = 100_000;
+        let texts = [
+            format!("a{} = 1\n", ".a".repeat(deep)),
+            format!("[a{}]\n", ".a".repeat(deep)),
+            format!("a = {}{}\n", "[".repeat(deep), "]".repeat(deep)),
+        ];
+        texts.iter().all(|text| Entry::parse(text, Origin::File).is_err())
+    };
+    let thread = std::thread::Builder::new().stack_size(512 << 10).spawn(read).unwrap();
+    assert!(thread.join().unwrap());
+}

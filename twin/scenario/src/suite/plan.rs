@@ -1,10 +1,12 @@
 //! Turns a selection into the list of flights.
 
+use std::collections::{HashMap, HashSet};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use super::case::{Case, Shard};
 use super::sweep::{self, SweepPlan};
+use twin_input::work;
 
 /// The flights of a run, or of one shard of it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -75,18 +77,20 @@ pub enum SelectionError {
 /// # Errors
 /// [`SelectionError`] if a path, pattern or filter matches nothing. An empty shard is no error.
 pub fn plan(selection: &Selection) -> Result<Plan, SelectionError> {
-    let mut files = Vec::new();
+    let (mut files, mut known) = (Vec::new(), HashSet::new());
     for path in &selection.paths {
         for file in scenarios(path)? {
-            if !files.contains(&file) {
+            if known.insert(file.clone()) {
                 files.push(file);
             }
         }
     }
+    let mut stems: HashMap<String, usize> = HashMap::new();
+    files.iter().for_each(|file| *stems.entry(stem(file)).or_default() += 1);
     let mut sweeps = Vec::new();
     let mut cases = Vec::new();
     for file in &files {
-        let name = name(file, &files);
+        let name = name(file, &stems);
         match sweep::expand(&name, file, &selection.overrides) {
             Some((plan, samples)) => {
                 sweeps.push(plan);
@@ -103,14 +107,16 @@ pub fn plan(selection: &Selection) -> Result<Plan, SelectionError> {
             return Err(SelectionError::Filter { filter: filter.clone(), count, first });
         }
     }
-    let kept = |plan: &SweepPlan| {
-        cases.iter().filter_map(|case| case.sample.as_ref()).any(|s| s.sweep == plan.name)
-    };
-    sweeps.retain(kept);
-    for sweep in &mut sweeps {
-        let samples = cases.iter().filter_map(|case| case.sample.as_ref());
-        sweep.samples = samples.filter(|sample| sample.sweep == sweep.name).count();
+    let mut samples: HashMap<&str, usize> = HashMap::new();
+    for sample in cases.iter().filter_map(|case| case.sample.as_ref()) {
+        work::steps(1);
+        *samples.entry(&sample.sweep).or_default() += 1;
     }
+    sweeps.retain_mut(|plan: &mut SweepPlan| {
+        work::steps(1);
+        plan.samples = samples.get(&*plan.name).copied().unwrap_or(0);
+        plan.samples > 0
+    });
     for (index, case) in cases.iter_mut().enumerate() {
         case.index = index;
     }
@@ -122,10 +128,15 @@ pub fn plan(selection: &Selection) -> Result<Plan, SelectionError> {
 }
 
 /// Name of the file without its extension; files of the same name in different folders keep the folder in their name.
-fn name(file: &Path, files: &[PathBuf]) -> String {
-    let stem = |file: &Path| file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let alone = files.iter().filter(|other| stem(other) == stem(file)).count() == 1;
-    if alone { stem(file) } else { file.with_extension("").display().to_string() }
+fn name(file: &Path, stems: &HashMap<String, usize>) -> String {
+    work::steps(1);
+    let stem = stem(file);
+    let alone = stems.get(&stem).is_some_and(|count| *count == 1);
+    if alone { stem } else { file.with_extension("").display().to_string() }
+}
+
+fn stem(file: &Path) -> String {
+    file.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 fn flights(file: &Path, name: &str, selection: &Selection) -> Vec<Case> {

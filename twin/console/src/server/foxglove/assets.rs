@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::server::hub::Hub;
+use twin_input::budget::ASSET_BYTES;
 use twin_scenario::VehicleFiles;
 
 /// Address of the URDF of the vehicle in flight.
@@ -14,9 +15,6 @@ const URDF: &str = "package://twin/vehicle.urdf";
 /// Extensions of the files to which a URDF refers.
 const KINDS: [&str; 10] =
     ["urdf", "xacro", "stl", "obj", "mtl", "dae", "glb", "png", "jpg", "jpeg"];
-
-/// Largest file, bytes.
-const MOST_BYTES: u64 = 32 * 1024 * 1024;
 
 /// Longest address that is accepted, bytes.
 const LONGEST_ADDRESS: usize = 512;
@@ -43,12 +41,8 @@ impl Assets {
             "no assets: a recording that is mirrored has no vehicle of its own".to_owned()
         })?;
         let path = locate(address, vehicle)?;
-        let unreadable = |error: std::io::Error| format!("cannot read {address}: {error}");
-        let size = std::fs::metadata(&path).map_err(unreadable)?.len();
-        if size > MOST_BYTES {
-            return Err(format!("{address} has {size} bytes; allowed: up to {MOST_BYTES}"));
-        }
-        std::fs::read(&path).map_err(unreadable)
+        twin_input::file::read(&path, ASSET_BYTES)
+            .map_err(|error| format!("cannot read {address}: {error}"))
     }
 }
 

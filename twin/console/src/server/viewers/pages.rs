@@ -18,6 +18,7 @@ use crate::server::socket::{NoUpgrade, Upgrade};
 use crate::server::viewers::meshcat::MeshCat;
 use crate::server::viewers::viser::Viser;
 use crate::server::viewers::{DRAKE, MESHCAT, VISER, Wheel};
+use twin_input::budget::VIEWER_BYTES;
 
 /// Content policy of the stock pages. They have inline scripts, evaluate the callbacks of controls, and load parts of themselves
 /// from `data:` and `blob:`. They too may talk to this server only.
@@ -106,7 +107,7 @@ async fn file(app: &App, wheel: Wheel, name: &'static str, mime: &'static str) -
         return absent(wheel);
     };
     let path = folder.join(wheel.folder()).join(name);
-    match tokio::task::spawn_blocking(move || std::fs::read(path)).await {
+    match tokio::task::spawn_blocking(move || twin_input::file::read(&path, VIEWER_BYTES)).await {
         Ok(Ok(bytes)) => {
             let headers = [
                 (CONTENT_TYPE, mime),

@@ -8,13 +8,14 @@ use nalgebra::{Matrix4, Point3, Rotation3, Unit, Vector3};
 use roxmltree::{Document, Node};
 
 use super::Triangles;
+use twin_input::budget::TRIANGLES;
 
 /// Deepest nesting of scene nodes.
 const MAX_DEPTH: usize = 64;
 /// Most inputs of a corner; exporters write up to six.
 const MAX_INPUTS: usize = 64;
-/// Most triangles of one file. A node may instance a mesh many times, so a small file can ask for very many.
-const MAX_TRIANGLES: usize = 2_000_000;
+/// Most triangles of one file.
+const MAX_TRIANGLES: usize = TRIANGLES.most as usize;
 
 pub(super) fn parse(bytes: &[u8]) -> Result<Triangles, String> {
     let text = std::str::from_utf8(bytes).map_err(|_| "not UTF-8 text".to_owned())?;

@@ -4,9 +4,12 @@ mod stl;
 mod obj;
 mod collada;
 
+use std::cell::Cell;
 use std::path::Path;
 
 use super::Shape;
+use twin_input::budget::{ALL_MESH_BYTES, MESH_BYTES, TRIANGLES};
+use twin_input::{Excess, file};
 
 /// Defect and remedy.
 pub(super) type Finding = (String, String);
@@ -38,8 +41,8 @@ impl Triangles {
     }
 }
 
-/// Reads the triangles of the file `path`; its extension selects the format.
-pub(super) fn read(path: &Path) -> Result<Triangles, Finding> {
+/// Reads the triangles of the file `path`; its extension selects the format. Adds its length to `bytes`, the bytes of all meshes.
+pub(super) fn read(path: &Path, bytes: &Cell<u64>) -> Result<Triangles, Finding> {
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or("");
     let reader = match extension.to_ascii_lowercase().as_str() {
         "stl" => stl::parse,
@@ -50,11 +53,15 @@ pub(super) fn read(path: &Path) -> Result<Triangles, Finding> {
             return Err((format!("unknown extension {extension:?}"), remedy));
         }
     };
-    let bytes = std::fs::read(path).map_err(|error| {
+    let content = file::read(path, MESH_BYTES).map_err(|error| {
         let remedy = "check the path, or name its package in the vehicle's packages".into();
         (format!("cannot read {}: {error}", path.display()), remedy)
     })?;
-    let mesh = reader(&bytes).map_err(|found| (found, "export the mesh again".to_owned()))?;
+    bytes.set(bytes.get().saturating_add(content.len() as u64));
+    let refused = |excess: Excess| (format!("{excess}"), excess.limit.remedy.to_owned());
+    ALL_MESH_BYTES.check(bytes.get()).map_err(refused)?;
+    let mesh = reader(&content).map_err(|found| (found, "export the mesh again".to_owned()))?;
+    TRIANGLES.check_count(mesh.triangles.len()).map_err(refused)?;
     if mesh.triangles.is_empty() {
         return Err(("no triangles".into(), "export the mesh with its faces".into()));
     }
