@@ -27,7 +27,8 @@ pub(super) struct FlyArgs {
     /// Seed instead of the scenario's.
     #[arg(long)]
     seed: Option<u64>,
-    /// Record the flight as MCAP (opens in Foxglove, Lichtblick, Rerun and PlotJuggler).
+    /// Record the flight as MCAP (opens in Foxglove, Lichtblick, Rerun and PlotJuggler). If the disk fails, the flight goes on, and the
+    /// exit code is 1; `twin recover` finishes the file.
     #[arg(long, value_name = "FILE.mcap")]
     record: Option<PathBuf>,
     /// Simulated seconds per second, or `max`.

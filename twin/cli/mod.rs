@@ -58,7 +58,11 @@ const EXAMPLES: &str = "Examples:
   twin recover cut.mcap -o whole.mcap           everything readable of a damaged or unfinished recording
   twin check scenarios/*.toml urdf/*.urdf       are these files usable?
   twin train flights/*.mcap                     the residual's model from recorded flights
-  twin viewers fetch                            the stock viewers, for /meshcat/ and /viser";
+  twin viewers fetch                            the stock viewers, for /meshcat/ and /viser
+
+Exit code 0: as expected; 1: not as expected, or a recording failed although the flight went on; 2: unusable input; 128 + signal:
+interrupted by SIGINT (Ctrl+C), SIGTERM or SIGHUP. An interrupted command finishes its recordings, and --json prints its object with
+the verdict `interrupted`; a second SIGINT or SIGTERM ends the program at once.";
 
 #[derive(Subcommand)]
 enum Command {
