@@ -30,7 +30,7 @@ pub(super) struct FlyArgs {
     #[arg(long)]
     seed: Option<u64>,
     /// Record the flight as MCAP (opens in Foxglove, Lichtblick, Rerun and PlotJuggler). If the file exists, the recording goes to
-    /// FILE-2.mcap, FILE-3.mcap, …
+    /// FILE-2.mcap, FILE-3.mcap, … If the disk fails, the flight goes on, and the exit code is 1; `twin recover` finishes the file.
     #[arg(long, value_name = "FILE.mcap")]
     record: Option<PathBuf>,
     /// Simulated seconds per second, or `max`.

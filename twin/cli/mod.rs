@@ -63,7 +63,11 @@ const EXAMPLES: &str = "Examples:
   twin train flights/*.mcap                     the residual's model from recorded flights
   twin viewers fetch                            the stock viewers, for /meshcat/ and /viser
 
-Every input is a regular file: pipes, devices and standard input are not read. What a file may hold has limits, which errors name.";
+Every input is a regular file: pipes, devices and standard input are not read. What a file may hold has limits, which errors name.
+
+Exit code 0: as expected; 1: not as expected, or a recording failed although the flight went on; 2: unusable input; 128 + signal:
+interrupted by SIGINT (Ctrl+C), SIGTERM or SIGHUP. An interrupted command finishes its recordings, and --json prints its object with
+the verdict `interrupted`; a second SIGINT or SIGTERM ends the program at once.";
 
 #[derive(Subcommand)]
 enum Command {

@@ -3,6 +3,7 @@
 
 mod planning;
 mod recording;
+mod recorder;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,7 +13,7 @@ use std::time::{Duration, Instant};
 use crate::server::ServerError;
 use crate::server::agenda::Agenda;
 use crate::server::command::{Command, Request};
-use crate::server::flight_recorder::{FlightRecorder, News};
+use crate::server::flight_recorder::FlightRecorder;
 use crate::server::gains::Change;
 use crate::server::hub::Hub;
 use crate::server::mirrored::Mirrored;
@@ -20,8 +21,7 @@ use crate::server::pace::{Lateness, Meter, Pace, STAGES, now};
 use crate::server::protocol::{EventInfo, NoticeLevel, ScenarioInfo, ServerMessage, StageCost};
 use crate::server::served_flight::{ServedFlight, word};
 use twin_core::tick::{EventKind, Tick};
-use twin_record::{RecordingEnd, interruption};
-use twin_scenario::{Scenario, Verdict};
+use twin_scenario::Scenario;
 
 /// The state is published at least this often, and the thread looks at its requests at least this often.
 const STATE_PERIOD: Duration = Duration::from_millis(400);
@@ -162,14 +162,6 @@ impl Pilot {
         let news = self.flight_recorder.close();
         self.publish_news(news);
         !self.flight_recorder.has_failed()
-    }
-
-    /// The verdict of a recording that ends before its flight: the signal that ended the program, or nothing.
-    fn landing(&self) -> String {
-        let signal = interruption::requested();
-        signal.map_or_else(String::new, |signal| {
-            format!("{}: {signal} at {:.2} s", Verdict::Interrupted, self.served.t_s)
-        })
     }
 
     /// Flies all ticks before the target of a seek. The hub wakes the clients only after the last of them.
@@ -352,38 +344,6 @@ impl Pilot {
         });
         let live = self.served.mirrored.as_ref().is_some_and(|mirrored| mirrored.is_live());
         self.state_due = start + if live { LIVE_STATE_PERIOD } else { STATE_PERIOD };
-    }
-
-    fn begin_recording(&mut self) -> Result<(), ServerError> {
-        if self.flight_recorder.is_wanted() {
-            let info = self.served.scenario.recording_info(self.served.flight.tuning())?;
-            let inputs = self.served.scenario.input_files();
-            let planned_s = self.served.scenario.settings.planned_s();
-            if let Some(said) = self.flight_recorder.begin(&info, &inputs, planned_s)? {
-                tracing::warn!("{said}");
-                self.hub.notice(None, NoticeLevel::Info, &said);
-            }
-        }
-        Ok(())
-    }
-
-    fn end_recording(&mut self, verdict: &str) {
-        self.flight_recorder.end(RecordingEnd {
-            state_hash: self.served.flight.state_hash(),
-            verdict: verdict.to_owned(),
-        });
-    }
-
-    fn publish_news(&self, news: Vec<News>) {
-        for news in news {
-            match news {
-                News::Finished(said) => {
-                    tracing::info!("{said}");
-                    self.hub.notice(None, NoticeLevel::Info, &said);
-                }
-                News::Failed(error) => self.alarm(&error),
-            }
-        }
     }
 
     /// Writes an error to the log and shows it to all clients; the flight goes on.
