@@ -149,6 +149,7 @@ async fn converse(
     let io = TokioIo::new(Guarded::new(stream, limits.stalled, ticket));
     let talk = http.serve_connection(io, answer).with_upgrades();
     let mut talk = std::pin::pin!(talk);
+    let mut ending = false;
     loop {
         tokio::select! {
             ended = talk.as_mut() => {
@@ -158,7 +159,10 @@ async fn converse(
                 return;
             }
             () = connection.displaced() => return,
-            _ = stopped.changed() => talk.as_mut().graceful_shutdown(),
+            _ = stopped.changed(), if !ending => {
+                ending = true;
+                talk.as_mut().graceful_shutdown();
+            }
         }
     }
 }
