@@ -190,10 +190,6 @@ fn train(args: &TrainArgs, jobs: &[Job]) -> anyhow::Result<End> {
     if args.json {
         outputs.reserve_stdout("--json")?;
     }
-    let curves = jobs
-        .iter()
-        .map(|job| places(&outputs, args.resume, job))
-        .collect::<anyhow::Result<Vec<_>>>()?;
     device::choose(match args.device {
         Where::Cpu => device::DeviceKind::Cpu,
         Where::Gpu => device::DeviceKind::Gpu,
@@ -215,6 +211,8 @@ fn train(args: &TrainArgs, jobs: &[Job]) -> anyhow::Result<End> {
             data.left_out.join(", ")
         ));
     }
+    let places = |job| places(&outputs, args.resume, job);
+    let curves = jobs.iter().map(places).collect::<anyhow::Result<Vec<_>>>()?;
     let jobs = jobs.iter().zip(curves);
     let results =
         jobs.map(|(job, curve)| one(args, &data, job, curve)).collect::<Result<Vec<_>, _>>()?;
