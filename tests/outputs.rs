@@ -134,6 +134,8 @@ fn a_scenario_its_model_and_its_weights_are_inputs_of_a_test_and_a_flight() {
         for flag in ["--junit", "--html"] {
             refused(&["test", &scenario, flag, &path, "--overwrite"], &[flag, name, "reads"]);
         }
+        let table = ["evaluate", "l1", &scenario, "--csv", &path, "--overwrite"];
+        refused(&table, &["--csv", name, "reads"]);
         let record = ["fly", &scenario, "--headless", "--record", &path, "--overwrite"];
         refused(&record, &["--record", name, "reads"]);
     }
@@ -162,6 +164,18 @@ fn an_existing_output_is_replaced_only_with_overwrite() {
     assert_eq!(twin(&["export", "viser", &file]).status.code(), Some(0));
     refused(&["export", "viser", &file], &["f.viser", "--overwrite"]);
     assert_eq!(folder.names(), ["f.mcap", "f.viser", "page"]);
+}
+
+#[test]
+fn a_collection_is_refused_before_its_first_flight_if_one_of_its_files_exists() {
+    let folder = Folder::new("collect");
+    // The names tell a training what the flights are, so these recordings are not numbered.
+    for name in ["collect_200g.mcap", "collect.json"] {
+        std::fs::write(folder.path(name), "mine").expect("a file");
+        refused(&["collect", "--out", &folder.path("")], &[name, "--out", "--overwrite"]);
+        assert_eq!((folder.bytes(name), folder.names()), (b"mine".to_vec(), vec![name.to_owned()]));
+        std::fs::remove_file(folder.path(name)).expect("it is there");
+    }
 }
 
 #[test]

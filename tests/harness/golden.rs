@@ -40,6 +40,22 @@ fn a_flight_is_stored_repeated_and_told_where_it_first_diverges() {
 }
 
 #[test]
+fn an_update_replaces_a_golden_run_and_no_other_file() {
+    let folder = Folder::new("golden-other");
+    // The file that the scenario names is the scenario itself, or somebody's notes.
+    for name in ["other.toml", "notes.txt"] {
+        let file = folder.hover("other", &GOLDEN.replace("stored/run.csv", name));
+        std::fs::write(folder.path("notes.txt"), "mine").expect("a temporary file");
+        let before = std::fs::read_to_string(folder.path(name)).expect("it is there");
+        let output = folder.test(&[&file, "--update"]);
+        let said = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(said.contains(name) && said.contains("check golden.file"), "{said}");
+        assert_eq!(std::fs::read_to_string(folder.path(name)).expect("it is there"), before);
+    }
+}
+
+#[test]
 fn a_golden_run_of_an_unknown_signal_is_refused() {
     let folder = Folder::new("golden-signal");
     let file = folder.hover("signal", &GOLDEN.replace("height_m", "hight_m"));

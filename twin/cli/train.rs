@@ -190,10 +190,6 @@ fn train(args: &TrainArgs, jobs: &[Job]) -> anyhow::Result<End> {
     if args.json {
         outputs.reserve_stdout("--json")?;
     }
-    let curves = jobs
-        .iter()
-        .map(|job| places(&outputs, args.resume, job))
-        .collect::<anyhow::Result<Vec<_>>>()?;
     device::choose(match args.device {
         Where::Cpu => device::DeviceKind::Cpu,
         Where::Gpu => device::DeviceKind::Gpu,
@@ -215,14 +211,9 @@ fn train(args: &TrainArgs, jobs: &[Job]) -> anyhow::Result<End> {
             data.left_out.join(", ")
         ));
     }
-    let mut results = Vec::new();
-    for (job, curve) in jobs.iter().zip(curves) {
-        results.push(one(args, &data, job, curve)?);
-        if results.iter().any(|result| result["verdict"].is_string()) {
-            break;
-        }
-    }
-    let stopped = results.iter().any(|result| result["verdict"].is_string());
+    let places = |job| places(&outputs, args.resume, job);
+    let curves = jobs.iter().map(places).collect::<anyhow::Result<Vec<_>>>()?;
+    let (results, stopped) = train_each(args, &data, jobs, curves)?;
     if args.json {
         let value = match (args.all, stopped) {
             (true, false) => serde_json::json!({ "models": results }),
@@ -237,6 +228,26 @@ fn train(args: &TrainArgs, jobs: &[Job]) -> anyhow::Result<End> {
         Some(signal) if stopped => End::Interrupted(signal),
         _ => End::Passed,
     })
+}
+
+/// Runs the trainings until one is stopped by a signal; returns their figures, and whether one was stopped.
+#[cfg(feature = "train")]
+fn train_each(
+    args: &TrainArgs,
+    data: &twin_lab::learn::Dataset,
+    jobs: &[Job],
+    curves: Vec<Output>,
+) -> anyhow::Result<(Vec<serde_json::Value>, bool)> {
+    let mut results = Vec::new();
+    for (job, curve) in jobs.iter().zip(curves) {
+        let result = one(args, data, job, curve)?;
+        let stopped = result["verdict"].is_string();
+        results.push(result);
+        if stopped {
+            return Ok((results, true));
+        }
+    }
+    Ok((results, false))
 }
 
 /// The figures of a training that a signal stopped. Its checkpoint holds the finished epochs; weights and picture are not written.

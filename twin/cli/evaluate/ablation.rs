@@ -11,7 +11,7 @@ use twin_lab::evaluate::ablation::{
 use twin_record::output::note;
 use twin_scenario::Scenario;
 
-use super::output::Output;
+use super::output::{Output, inputs_of};
 use crate::cli::{End, Overrides, print, read_weights};
 
 #[derive(Args)]
@@ -43,8 +43,8 @@ pub(super) struct AblationArgs {
 pub(super) fn run(args: &AblationArgs) -> anyhow::Result<End> {
     let parts =
         [&args.without_global_token, &args.without_short_horizon, &args.without_long_memory];
-    let inputs = parts.into_iter().flatten().chain([&args.full, &args.scenario]).cloned();
-    let places = args.output.reserve(inputs)?;
+    let weights = parts.into_iter().flatten().chain([&args.full]).cloned();
+    let places = args.output.reserve(weights.chain(inputs_of([&args.scenario])))?;
     let full = read_weights(&args.full)?;
     let whole = std::fs::canonicalize(&args.full)?;
     let mut flights = Vec::new();

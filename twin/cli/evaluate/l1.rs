@@ -9,7 +9,7 @@ use twin_record::interruption;
 use twin_record::output::note;
 use twin_scenario::table::{Job, Line, condense, fly_all};
 
-use super::output::Output;
+use super::output::{Output, inputs_of};
 use crate::cli::{End, Overrides, print};
 
 #[derive(Args)]
@@ -41,7 +41,7 @@ fn parse_corners(text: &str) -> Result<[f64; 2], String> {
 }
 
 pub(super) fn run(args: &L1Args) -> anyhow::Result<End> {
-    let places = args.output.reserve(args.scenarios.iter().cloned())?;
+    let places = args.output.reserve(inputs_of(&args.scenarios))?;
     let mut jobs = Vec::new();
     for pole in &args.poles {
         for [force, moment] in &args.cutoffs {

@@ -1,10 +1,12 @@
 //! Files that a table is written to.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use clap::Args;
 use twin_lab::evaluate::{Sheet, pictures_page};
 use twin_record::output::{self, Outputs, note};
+use twin_scenario::Scenario;
 
 use crate::cli::Overwrite;
 
@@ -22,6 +24,17 @@ pub(super) struct Output {
     html: Option<PathBuf>,
     #[command(flatten)]
     overwrite: Overwrite,
+}
+
+/// The files that flights of the scenarios `files` read: each scenario, its models with their meshes, its weights.
+pub(super) fn inputs_of<'a>(files: impl IntoIterator<Item = &'a PathBuf>) -> Vec<PathBuf> {
+    let files: BTreeSet<&PathBuf> = files.into_iter().collect();
+    let inputs = |file: &&PathBuf| match Scenario::load(file, &[]) {
+        Ok(scenario) => scenario.input_files(),
+        // Its flight says what is wrong with it.
+        Err(_) => vec![(*file).clone()],
+    };
+    files.iter().flat_map(inputs).collect()
 }
 
 /// The places of the files, reserved before the table is computed.

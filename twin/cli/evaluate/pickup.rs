@@ -8,7 +8,7 @@ use twin_lab::evaluate::Sheet;
 use twin_lab::evaluate::pickup::{MODES, PickupFlight, pick_up, pictures};
 use twin_scenario::{Scenario, side_by_side};
 
-use super::output::Output;
+use super::output::{Output, inputs_of};
 use crate::cli::{End, Overrides, print};
 
 #[derive(Args)]
@@ -32,7 +32,7 @@ pub(super) fn run(args: &PickupArgs) -> anyhow::Result<End> {
     } else {
         args.scenarios.clone()
     };
-    let places = args.output.reserve(files.iter().cloned())?;
+    let places = args.output.reserve(inputs_of(&files))?;
     let mut jobs = Vec::new();
     for file in &files {
         for (mode, keys) in MODES {

@@ -15,7 +15,7 @@ use twin_scenario::cache::Cache;
 use twin_scenario::table::{COLUMNS, Job, Line, Outcome, PAPER, condense, fly_all};
 use twin_scenario::{Scenario, Verdict, side_by_side};
 
-use super::output::Output;
+use super::output::{Output, inputs_of};
 use crate::cli::{End, Overrides, print, read_weights};
 
 #[derive(Args)]
@@ -69,8 +69,8 @@ const BASELINE: [&str; 2] = ["predictor.kind=trained", "gains.adapter_on=0"];
 
 pub(super) fn run(args: &TrackingArgs) -> anyhow::Result<End> {
     let jobs = jobs(args)?;
-    let inputs = jobs.iter().map(|job| &job.file).chain(&args.weights).cloned();
-    let places = args.output.reserve(inputs)?;
+    let flown = inputs_of(jobs.iter().map(|job| &job.file));
+    let places = args.output.reserve(args.weights.iter().cloned().chain(flown))?;
     let threads =
         args.jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
     let cache = if args.no_cache {
