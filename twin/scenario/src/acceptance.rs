@@ -8,7 +8,9 @@ use std::path::Path;
 use super::{BuildError, Judge, Scenario, ScenarioError, Verdict};
 use twin_core::elementary::squared;
 use twin_core::notation::{Coords, N};
-use twin_core::residual::weights::{Acceptance, Weights, WeightsError};
+use twin_core::residual::weights::WeightsError;
+#[cfg(feature = "suite")]
+use twin_core::residual::weights::{Acceptance, Weights};
 use twin_core::tick::Tick;
 use twin_input::budget::WEIGHTS_BYTES;
 use twin_record::interruption;
