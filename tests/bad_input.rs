@@ -125,6 +125,16 @@ const BAD_SCENARIOS: &[(&str, &str, &[&str])] = &[
         &["vehicle.arm_joints", "elbow", "joint1"],
     ),
     (
+        "joint_twice",
+        "[vehicle]\nurdf = \"URDF\"\narm_joints = [\"joint1\", \"joint1\"]\n",
+        &["vehicle.arm_joints", "joint1", "twice"],
+    ),
+    (
+        "joint_beyond_its_limit",
+        "[vehicle]\nurdf = \"URDF\"\n[task]\ntransit_joints_rad = [-6.3, 0.0]\n",
+        &["task.transit_joints_rad", "joint1", "-6.3", "limits"],
+    ),
+    (
         "odd_rate",
         "[vehicle]\nurdf = \"URDF\"\n[controller]\ninner_hz = 300.0\n",
         &["controller.inner_hz", "300", "1000"],

@@ -1,14 +1,11 @@
 //! Assembles the parts of a flight from the settings of a scenario.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use nalgebra::{Vector2, Vector3};
 
-use super::settings::{
-    ControllerKind, ExcitationSettings, PathSettings, PathShape, PredictorKind, Settings,
-    StartKind, TaskKind, Units,
-};
+use super::mission::{joints, task};
+use super::settings::{ControllerKind, PredictorKind, Settings, StartKind, TaskKind, Units};
 use super::{BuildError, Scenario, failures, trained};
 use twin_core::control::{
     Adaptive, Allocation, Controller, Excited, Gains, InnerController, L1, L1Settings, Multisine,
@@ -20,10 +17,7 @@ use twin_core::residual::{
     Bias, Gravity, GravityModel, Persistence, Predictor, PredictorInfo, RandomFeatures,
     ZeroPredictor, lra,
 };
-use twin_core::task::path::Curve;
-use twin_core::task::{
-    Excitation, FollowPath, Hover, PickPlace, PickPlacePlan, Region, Task, ToolKinematics,
-};
+use twin_core::task::ToolKinematics;
 use twin_core::tick::{GripperCommand, Setpoint};
 use twin_core::tuning::{Tuning, TuningError};
 use twin_plant::model::{Arm, Packages, Robot, Statics};
@@ -78,7 +72,7 @@ pub(super) fn parts(scenario: &Scenario) -> Result<Parts, BuildError> {
     let Models { robot, objects } = models(scenario)?;
     let arm_joints = arm_joints(settings, &robot)?;
     let arm = arm(settings, &robot, &arm_joints)?;
-    let start = start(settings, &arm)?;
+    let start = start(settings, &arm, &robot, &arm_joints)?;
     let tuning = tuning(settings)?;
     let gravity = || -> GravityModel {
         let statics = Statics::new(&robot, &arm_joints);
@@ -124,6 +118,10 @@ fn arm_joints(settings: &Settings, robot: &Robot) -> Result<Vec<usize>, BuildErr
             format!("{} joints given, at most two have rows; leave the others out", names.len());
         return Err(BuildError::Unfit { key: "vehicle.arm_joints", reason });
     }
+    if names.len() == 2 && names[0] == names[1] {
+        let reason = format!("{:?} is named twice; name each joint once", names[0]);
+        return Err(BuildError::Unfit { key: "vehicle.arm_joints", reason });
+    }
     names
         .iter()
         .map(|name| {
@@ -154,7 +152,12 @@ fn arm(settings: &Settings, robot: &Robot, joints: &[usize]) -> Result<Arm, Buil
     Ok(Arm::new(robot, joints, tool))
 }
 
-fn start(settings: &Settings, arm: &Arm) -> Result<Start, BuildError> {
+fn start(
+    settings: &Settings,
+    arm: &Arm,
+    robot: &Robot,
+    arm_joints: &[usize],
+) -> Result<Start, BuildError> {
     let steps = 1000.0 / settings.controller.inner_hz;
     if steps.fract() != 0.0 || steps < 1.0 {
         let reason =
@@ -162,15 +165,38 @@ fn start(settings: &Settings, arm: &Arm) -> Result<Start, BuildError> {
         return Err(BuildError::Unfit { key: "controller.inner_hz", reason });
     }
     let position = Vector3::from(settings.task.start_position_m);
-    let joints = match settings.task.kind {
+    let (key, angles_rad) = match settings.task.kind {
         TaskKind::PickPlace | TaskKind::Path | TaskKind::Excitation => {
-            joints(settings, settings.task.transit_joints_rad)
+            ("task.transit_joints_rad", settings.task.transit_joints_rad)
         }
-        TaskKind::Hover => joints(settings, settings.task.grasp_joints_rad),
+        TaskKind::Hover => ("task.grasp_joints_rad", settings.task.grasp_joints_rad),
     };
+    let joints = joints(settings, angles_rad);
+    within_limits(key, &joints, robot, arm_joints)?;
     let grasped = (settings.task.start == StartKind::Grasped)
         .then(|| position + arm.tool_in_body(&joints).translation.vector);
     Ok(Start { position, joints, grasped, inner_steps: steps as u64 })
+}
+
+/// Refuses a start with a joint beyond its limits: the solver would throw the arm back with any force.
+fn within_limits(
+    key: &'static str,
+    angles_rad: &Vector2<f64>,
+    robot: &Robot,
+    arm_joints: &[usize],
+) -> Result<(), BuildError> {
+    for (angle, joint) in
+        angles_rad.iter().zip(arm_joints.iter().map(|joint| &robot.joints[*joint]))
+    {
+        if !(joint.lower..=joint.upper).contains(angle) {
+            let reason = format!(
+                "the flight would begin with {} at {angle} rad, but the URDF limits it to {}..={} rad",
+                joint.name, joint.lower, joint.upper
+            );
+            return Err(BuildError::Unfit { key, reason });
+        }
+    }
+    Ok(())
 }
 
 /// Properties of the predictor that are known before its first forecast; only trained weights differ from the default.
@@ -297,84 +323,5 @@ fn first_setpoint(gains: &Gains, start: &Start, weight_n: f64) -> Setpoint {
         robust_gain: 0.0,
         rows: gains.rows(),
         gripper: if start.grasped.is_some() { GripperCommand::Close } else { GripperCommand::Open },
-    }
-}
-
-/// Joint angles of the arm, rad; zero for a joint that the vehicle does not have.
-fn joints(settings: &Settings, angles_rad: [f64; 2]) -> Vector2<f64> {
-    Vector2::from_fn(
-        |row, _| if row < settings.vehicle.arm_joints.len() { angles_rad[row] } else { 0.0 },
-    )
-}
-
-fn curve(path: &PathSettings) -> Curve {
-    match path.shape {
-        PathShape::S => Curve::S {
-            from: path.origin_m,
-            length_m: path.length_m,
-            sway_m: path.sway_m,
-            rise_m: path.rise_m,
-            bob_m: path.bob_m,
-        },
-        PathShape::FigureEight => Curve::FigureEight {
-            centre: path.origin_m,
-            a_m: path.half_length_m,
-            b_m: path.half_width_m,
-            laps: path.laps,
-        },
-    }
-}
-
-fn region(settings: &Settings) -> Region {
-    let e: &ExcitationSettings = &settings.task.excitation;
-    Region {
-        position_m: [e.low_m.into(), e.high_m.into()],
-        joints_rad: [joints(settings, e.joints_low_rad), joints(settings, e.joints_high_rad)],
-        yaw_rad: e.yaw_rad,
-        mean_speed_m_s: e.mean_speed_m_s,
-        acceleration_m_s2: e.acceleration_m_s2,
-    }
-}
-
-fn task(settings: &Settings, arm: Arm) -> Box<dyn Task> {
-    let task = &settings.task;
-    let position = Vector3::from(task.start_position_m);
-    let transit_joints = joints(settings, task.transit_joints_rad);
-    let grasp_joints = joints(settings, task.grasp_joints_rad);
-    let gripper = match task.start {
-        StartKind::Grasped => GripperCommand::Close,
-        StartKind::Hover => GripperCommand::Open,
-    };
-    match task.kind {
-        TaskKind::Hover => Box::new(Hover::new(position, grasp_joints, task.duration_s, gripper)),
-        TaskKind::Excitation => Box::new(Excitation::new(
-            (position, transit_joints),
-            region(settings),
-            task.duration_s,
-            gripper,
-            settings.seed,
-        )),
-        TaskKind::Path => Box::new(FollowPath::new(
-            position,
-            curve(&task.path),
-            task.speed_m_s,
-            transit_joints,
-            gripper,
-        )),
-        TaskKind::PickPlace => {
-            let mission = PickPlacePlan {
-                start: position,
-                path: curve(&task.path),
-                speed_m_s: task.speed_m_s,
-                place: Vector3::from(task.place_position_m),
-                cube_size_m: settings.payload.size_m,
-                least_payload_kg: task.least_payload_kg,
-                opening_m: settings.vehicle.gripper.opening_m,
-                grasp_joints,
-                transit_joints,
-                retry_limit: task.retry_limit,
-            };
-            Box::new(PickPlace::new(mission, Arc::new(arm)))
-        }
     }
 }

@@ -18,6 +18,7 @@ pub mod verdict;
 pub mod metrics;
 mod failures;
 mod trained;
+mod mission;
 mod assemble;
 pub mod scene;
 pub mod run;

@@ -40,8 +40,9 @@ impl Allocation {
         Self { n, inverse, min_n, max_n }
     }
 
-    /// Rotor thrusts (N) for a collective thrust and a body moment; NaN in both for a demand that is not finite. The second value is true if the demand did not fit. Roll and
-    /// pitch then keep their moment as long as possible, the collective thrust moves to make room, and yaw gets the rest.
+    /// Rotor thrusts (N) for a collective thrust and a body moment; NaN for a demand that is not finite or overflows. The second value
+    /// is true if the demand did not fit. Roll and pitch then keep their moment as long as possible, the collective thrust moves to
+    /// make room, and yaw gets the rest.
     pub fn allocate(&self, thrust_n: f64, moment_n_m: &Vector3<f64>) -> (PerRotor, bool) {
         if self.n == 0 || !(thrust_n.is_finite() && moment_n_m.iter().all(|x| x.is_finite())) {
             let each = if self.n == 0 { 0.0 } else { f64::NAN };
@@ -49,6 +50,9 @@ impl Allocation {
         }
         let column = |axis: usize, value: f64| self.inverse.column(axis) * value;
         let tilt = column(1, moment_n_m.x) + column(2, moment_n_m.y);
+        if !tilt.iter().all(|x| x.is_finite()) {
+            return ([f64::NAN; MAX_ROTORS], true);
+        }
         let lift = column(0, 1.0);
         let (low, high) = (tilt.min(), tilt.max());
         let span = self.max_n - self.min_n;
