@@ -38,19 +38,15 @@ pub fn read(
             findings.problem(damage);
             return Ok(findings);
         }
-        match next {
-            Next::Record => {
-                if !take((&record, offset), &mut findings, &mut inflation, on) {
-                    if record[0] == DATA_END {
-                        unused(input, &mut record, on);
-                    }
-                    return Ok(findings);
-                }
+        if next != Next::Record {
+            cut_off((&record, offset), &mut findings, &mut inflation, on);
+            return Ok(findings);
+        }
+        if !take((&record, offset), &mut findings, &mut inflation, on) {
+            if record[0] == DATA_END {
+                unused(input, &mut record, on);
             }
-            _ => {
-                cut_off((&record, offset), &mut findings, &mut inflation, on);
-                return Ok(findings);
-            }
+            return Ok(findings);
         }
         offset += record.len() as u64;
     }

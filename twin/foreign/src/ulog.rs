@@ -138,25 +138,20 @@ impl Log {
         };
         let id = u16::from_le_bytes([*low, *high]);
         let name = String::from_utf8_lossy(name).into_owned();
-        let schema_id = match self.schemas.get(&name) {
-            Some(number) => *number,
-            None => {
-                let Some(definition) = self.definition(&name) else {
-                    self.findings
-                        .problem(format!("topic {name} has no definition and is not read"));
-                    return Ok(());
-                };
-                let number = u16::try_from(self.schemas.len() + 1)
-                    .map_err(|_| format!("more than {} topics", u16::MAX))?;
-                let header = SchemaHeader {
-                    id: number,
-                    name: schema_name(&name),
-                    encoding: ENCODING.to_owned(),
-                };
-                on(Record::Schema { header, data: definition.as_bytes().into() });
-                self.schemas.insert(name.clone(), number);
-                number
-            }
+        let schema_id = if let Some(number) = self.schemas.get(&name) {
+            *number
+        } else {
+            let Some(definition) = self.definition(&name) else {
+                self.findings.problem(format!("topic {name} has no definition and is not read"));
+                return Ok(());
+            };
+            let number = u16::try_from(self.schemas.len() + 1)
+                .map_err(|_| format!("more than {} topics", u16::MAX))?;
+            let (name_sent, encoding) = (schema_name(&name), ENCODING.to_owned());
+            let header = SchemaHeader { id: number, name: name_sent, encoding };
+            on(Record::Schema { header, data: definition.as_bytes().into() });
+            self.schemas.insert(name.clone(), number);
+            number
         };
         on(Record::Channel(Channel {
             id,

@@ -46,5 +46,6 @@ impl From<Stopped> for std::io::Error {
 
 /// Whether `error` is the end of a read on request.
 pub fn is_stop(error: &std::io::Error) -> bool {
-    error.get_ref().is_some_and(|inner| inner.is::<Stopped>())
+    let inner: Option<&Stopped> = error.get_ref().and_then(|inner| inner.downcast_ref());
+    inner.is_some()
 }

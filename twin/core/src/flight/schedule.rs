@@ -81,7 +81,9 @@ impl Eq for Timed {}
 impl Schedule {
     pub(super) fn new(timed: Vec<(f64, Disturbance)>, waiting: Vec<Trigger>) -> Self {
         let mut schedule = Self { timed: BinaryHeap::new(), scheduled: 0, waiting };
-        timed.into_iter().for_each(|(at_s, disturbance)| schedule.add(at_s, disturbance));
+        for (at_s, disturbance) in timed {
+            schedule.add(at_s, disturbance);
+        }
         schedule
     }
 

@@ -313,7 +313,9 @@ impl StreamState {
         self.maps += 1;
         self.tracks.clear();
         let numbers: Vec<u16> = self.definitions.channels.keys().copied().collect();
-        numbers.into_iter().for_each(|number| self.open(number));
+        for number in numbers {
+            self.open(number);
+        }
     }
 
     /// Opens a channel whose definition is known.

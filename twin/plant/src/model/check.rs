@@ -266,8 +266,7 @@ fn check_attributes(text: &str) -> Result<(), (usize, Excess)> {
     let (mut begin, mut count, mut quote) = (0, 0, None);
     for (at, byte) in text.bytes().enumerate() {
         match (quote, byte) {
-            (Some(open), _) if open == byte => quote = None,
-            (Some(_), _) => {}
+            (Some(open), _) => quote = Some(open).filter(|open| *open != byte),
             (None, b'<' | b'>') => (begin, count) = (at, 0),
             // Outside of a tag a quote is a part of the text.
             (None, b'"' | b'\'') if count > 0 => quote = Some(byte),

@@ -300,7 +300,7 @@ fn as_many_values_as_the_budget_allows_are_read_and_one_more_is_refused() {
     let lists = |values: usize| {
         let line = |n: usize| format!("a{n} = [{}]\n", "1,".repeat(999));
         let whole: String = (0..values / 1000).map(line).collect();
-        whole + &(0..values % 1000).map(|n| format!("b{n} = 1\n")).collect::<String>()
+        (0..values % 1000).fold(whole, |text, n| text + &format!("b{n} = 1\n"))
     };
     assert!(Entry::parse(&lists(most), Origin::File).is_ok());
     let (line, said) = Entry::parse(&lists(most + 1), Origin::File).unwrap_err();

@@ -86,7 +86,9 @@ pub fn plan(selection: &Selection) -> Result<Plan, SelectionError> {
         }
     }
     let mut stems: HashMap<String, usize> = HashMap::new();
-    files.iter().for_each(|file| *stems.entry(stem(file)).or_default() += 1);
+    for file in &files {
+        *stems.entry(stem(file)).or_default() += 1;
+    }
     let mut sweeps = Vec::new();
     let mut cases = Vec::new();
     for file in &files {
