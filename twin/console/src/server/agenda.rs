@@ -207,12 +207,12 @@ mod tests {
     fn of_many_moves_of_sliders_the_last_of_each_counts_and_none_is_lost() {
         let mut agenda = agenda();
         let values: Vec<f64> = (0..500).map(|n| f64::from(n) / 100.0).collect();
-        add(&mut agenda, values.iter().flat_map(|&v| [gain("leak", v), gain("slope.x", v)]));
+        add(&mut agenda, values.iter().flat_map(|&v| [gain("slope.y", v), gain("slope.x", v)]));
         let last = *values.last().unwrap();
-        assert_eq!(done(&mut agenda, now()), [gain("leak", last), gain("slope.x", last)]);
+        assert_eq!(done(&mut agenda, now()), [gain("slope.y", last), gain("slope.x", last)]);
         // A preset between two values of a gain keeps both, because it sets all gains.
         let preset = Command::Change(Change::Preset(Preset::Paper));
-        let all = [gain("leak", 1.0), preset, gain("leak", 2.0)];
+        let all = [gain("slope.y", 1.0), preset, gain("slope.y", 2.0)];
         add(&mut agenda, all.clone());
         assert_eq!(done(&mut agenda, now()), all);
     }
