@@ -1,5 +1,7 @@
 //! Streams with very many channels: the work grows with their number.
 
+use std::collections::BTreeMap;
+
 use mcap::records::{Channel, MessageHeader, Record, SchemaHeader};
 use twin_input::budget::CHANNELS;
 use twin_input::work;
@@ -22,7 +24,7 @@ fn stream(count: usize) {
             schema_id: number,
             topic: format!("/pose{number}"),
             message_encoding: "cdr".to_owned(),
-            metadata: Default::default(),
+            metadata: BTreeMap::new(),
         }));
         let header =
             MessageHeader { channel_id: number, sequence: 0, log_time: 1, publish_time: 1 };
