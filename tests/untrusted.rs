@@ -66,7 +66,6 @@ fn every_command(folder: &Folder, file: &Path, more: &[&str]) {
         let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
         let wanted: Vec<&str> = more.iter().copied().chain([file]).collect();
         refused(&arguments, &wanted);
-        assert!(!out.exists(), "{command:?} left an output behind");
     }
 }
 
