@@ -187,7 +187,7 @@ fn a_second_recording_takes_the_next_free_number_and_says_so() {
     let said = stderr(&again);
     assert!(said.contains("f.mcap exists") && said.contains("f-2.mcap"), "{said}");
     let found: serde_json::Value = serde_json::from_slice(&again.stdout).expect("one object");
-    assert_eq!(found["recording"], folder.path("f-2.mcap"));
+    assert_eq!(found["recording"]["file"], folder.path("f-2.mcap"));
     assert!(folder.bytes("f.mcap") == first);
     let replaced = Folder::fly(&["--record", &file, "--overwrite", "--set", "task.duration_s=0.3"]);
     assert_eq!(replaced.status.code(), Some(0), "{}", stderr(&replaced));

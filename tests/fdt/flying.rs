@@ -91,6 +91,8 @@ fn the_history_is_z_scored_masked_and_held_at_its_start() {
 fn weights_fly_with_the_adapter_and_their_attention_is_recorded_and_replayed() {
     let scenario = with("carrying.safetensors", &carrying(&m_bar()), &["predictor.kernel=scalar"]);
     let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("fdt_flying/flight.mcap");
+    // A recording of an earlier run is of no use; the recorder makes a new file only.
+    let _ = std::fs::remove_file(&path);
     let info = scenario.recording_info(&scenario.tuning().expect("gains")).expect("info");
     let mut recorder = Recorder::create(&path, &info).expect("a recorder");
     let mut ticks: Vec<Tick> = Vec::new();

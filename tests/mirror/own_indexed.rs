@@ -24,6 +24,8 @@ fn own(name: &str, ticks: u64) -> PathBuf {
     let mut flight = scenario.build().expect("a flight");
     let flown: Vec<Tick> = (0..200).map(|_| flight.tick()).collect();
     let path = file(name, b"");
+    // The recorder makes a new file only.
+    std::fs::remove_file(&path).expect("it was just made");
     let info = scenario.recording_info(flight.tuning()).expect("it can be recorded");
     let mut recorder = Recorder::create(&path, &info).expect("a file");
     for index in 0..ticks {

@@ -20,6 +20,8 @@ pub(crate) fn record(path: &std::path::Path) -> Vec<Tick> {
     let scenario = hover();
     let tuning = scenario.tuning().expect("gains");
     let info = scenario.recording_info(&tuning).expect("a model");
+    // The recorder makes a new file only; whether there is an old one does not matter.
+    let _ = std::fs::remove_file(path);
     let mut recorder = Recorder::create(path, &info).expect("a file");
     let mut ticks = Vec::new();
     fly(&scenario, &mut |tick| {

@@ -1,7 +1,8 @@
 //! The messages that a client gets: the hello, every tick, and the count of the ticks that it missed.
 
 use super::console::{Arrival, Console, options, serve};
-use twin_console::server::spawn;
+use crate::patience::PATIENCE;
+use twin_console::server::{Limits, spawn};
 
 #[test]
 fn the_hello_comes_first_and_describes_the_frames_that_follow() {
@@ -47,6 +48,8 @@ fn the_state_comes_in_every_half_second_of_flight_and_counts_the_clients() {
 fn a_slow_client_is_told_what_it_missed_and_slows_nobody() {
     let mut fast = options();
     fast.speed = Some(10.0);
+    // The slow client must outlast 6000 ticks, which may take long beside other tests.
+    fast.limits = Limits { stalled: PATIENCE, silent: PATIENCE, ..Limits::STANDARD };
     let running = spawn(fast).expect("a free port");
     let mut slow = Console::connect(running.address());
     let mut healthy = Console::connect(running.address());

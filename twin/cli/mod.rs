@@ -4,6 +4,7 @@ mod signals;
 mod viewers;
 mod fly;
 mod mirror_beside;
+mod mirror_report;
 mod mirror;
 mod test_table;
 mod test;
