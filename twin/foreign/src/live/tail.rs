@@ -13,6 +13,9 @@ use twin_record::pieces::{CHUNK, DATA_END, FOOTER, HEAD_BYTES, Next, unpack};
 /// Pause before a file that did not grow is checked again.
 const LOOK: Duration = Duration::from_millis(50);
 
+/// Lengths that recorders write at the head of a chunk until they close it and know its length.
+const OPEN: [u64; 2] = [0, u64::MAX];
+
 /// Reads `path` from its start and continues as it grows. A file that is replaced or becomes shorter is read from its start
 /// again.
 pub(super) fn follow(shared: &Shared, path: &Path) {
@@ -58,11 +61,14 @@ fn read(shared: &Shared, file: &mut dyn Input) -> Result<(), String> {
         if matches!(head[0], DATA_END | FOOTER) {
             return ended(shared, file, length);
         }
-        if let (true, Some(damage)) = (body > RECORD_BYTES.most, Next::TooLong(body).damage(at)) {
+        let is_open = OPEN.contains(&body);
+        if !is_open
+            && body > RECORD_BYTES.most
+            && let Some(damage) = Next::TooLong(body).damage(at)
+        {
             return Err(damage);
         }
-        // Some recorders write zero as the length of a chunk and fill it in when they close the chunk.
-        if body == 0 || length < at + HEAD_BYTES as u64 + body {
+        if is_open || length < at + HEAD_BYTES as u64 + body {
             shared.pause(LOOK);
             continue;
         }
