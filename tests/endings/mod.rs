@@ -40,9 +40,11 @@ impl Drop for Folder {
 const LONG_HOVER: [&str; 5] =
     ["scenarios/hover.toml", "--set", "task.duration_s=3500", "--set", "time_limit_s=3600"];
 
-/// The program, and the words that a shell would take.
+/// The program, and the words that a shell would take. `env` of coreutils gives the signals back their default action, because a caller
+/// of the tests may ignore some: `nohup` does, and so does a shell for what it runs in the background.
 fn command(arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_twin"));
+    let mut command = Command::new("env");
+    command.args(["--default-signal=HUP,INT,TERM", env!("CARGO_BIN_EXE_twin")]);
     command.args(arguments).current_dir(env!("CARGO_MANIFEST_DIR"));
     command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
     command
