@@ -60,6 +60,8 @@ async function openList() {
 async function freshFlight() {
   await page.locator("#scene").focus();
   await setPaused(false);
+  // A loaded machine looks only a few times a second: the new flight must stay behind the old one for longer than that.
+  await until(async () => (await shown(page)).lastTick > 150, SOON, "the old flight is 1.5 s old");
   const before = (await shown(page)).lastTick;
   await page.keyboard.press("r");
   await until(async () => {
