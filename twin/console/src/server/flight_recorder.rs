@@ -23,13 +23,13 @@ const LOOK: Duration = Duration::from_millis(5);
 pub(super) struct FlightRecorder {
     path: Option<PathBuf>,
     outputs: Outputs,
-    /// Whether a flight was recorded; the further ones never replace a file.
-    begun: bool,
+    /// Number of the newest recording, from 1; the recordings after the first never replace a file.
+    newest: u32,
     open: Option<Recorder>,
-    /// Recordings of earlier flights whose last ticks are on their way to the disk.
-    closing: Vec<Recorder>,
-    /// How the newest recording stood when it was last looked at, if it is not open any more.
-    last: Option<RecordingStatus>,
+    /// Recordings of earlier flights whose last ticks are on their way to the disk, with their numbers, in order.
+    closing: Vec<(u32, Recorder)>,
+    /// How the newest of the recordings stood that are done, with its number.
+    last: Option<(u32, RecordingStatus)>,
     /// Whether the failure of the open recording was told.
     told: bool,
     /// Whether any recording failed.
@@ -50,7 +50,7 @@ impl FlightRecorder {
         Self {
             path,
             outputs,
-            begun: false,
+            newest: 0,
             open: None,
             closing: Vec::new(),
             last: None,
@@ -82,7 +82,8 @@ impl FlightRecorder {
     ) -> Result<Option<String>, RecordingError> {
         let Some(path) = self.path.clone() else { return Ok(None) };
         self.told = false;
-        let first = !std::mem::replace(&mut self.begun, true);
+        self.newest += 1;
+        let first = self.newest == 1;
         self.outputs.protect(inputs);
         match self.create(&path, first, info) {
             Ok((recorder, renamed)) => {
@@ -91,7 +92,7 @@ impl FlightRecorder {
             }
             Err(error) => {
                 self.failed = true;
-                self.last = Some(RecordingStatus {
+                let status = RecordingStatus {
                     file: path,
                     state: RecordingState::Failed,
                     bytes: 0,
@@ -99,7 +100,8 @@ impl FlightRecorder {
                     dropped_ticks: 0,
                     error: Some(error.to_string()),
                     warning: None,
-                });
+                };
+                self.last = Some((self.newest, status));
                 Err(error)
             }
         }
@@ -126,8 +128,9 @@ impl FlightRecorder {
         match &mut self.open {
             None => {
                 // The flight goes on without its recording.
-                let failed = self.last.as_mut().filter(|last| last.state == RecordingState::Failed);
-                if let Some(last) = failed {
+                if let Some((_, last)) = &mut self.last
+                    && last.state == RecordingState::Failed
+                {
                     last.dropped_ticks += 1;
                 }
                 None
@@ -150,15 +153,24 @@ impl FlightRecorder {
 
     /// How the newest recording stands; `None` if nothing is recorded.
     pub(super) fn status(&self) -> Option<RecordingStatus> {
-        let newest = self.open.as_ref().or(self.closing.last());
-        newest.map(Recorder::status).or_else(|| self.last.clone())
+        if let Some(open) = &self.open {
+            return Some(open.status());
+        }
+        match (self.closing.last(), &self.last) {
+            (Some((number, closing)), last)
+                if last.as_ref().is_none_or(|last| last.0 < *number) =>
+            {
+                Some(closing.status())
+            }
+            (_, last) => last.as_ref().map(|(_, status)| status.clone()),
+        }
     }
 
     /// Ends the recording of the flight, without waiting for the disk; [`Self::news`] tells how it went.
     pub(super) fn end(&mut self, end: RecordingEnd) {
         if let Some(mut recorder) = self.open.take() {
             recorder.end(end);
-            self.closing.push(recorder);
+            self.closing.push((self.newest, recorder));
         }
     }
 
@@ -167,16 +179,16 @@ impl FlightRecorder {
         let mut news: Vec<News> = self.failure().map(News::Failed).into_iter().collect();
         let (done, closing): (Vec<_>, Vec<_>) = std::mem::take(&mut self.closing)
             .into_iter()
-            .map(|mut recorder| (recorder.is_done(), recorder))
+            .map(|(number, mut recorder)| (recorder.is_done(), (number, recorder)))
             .partition(|(done, _)| *done);
         self.closing = closing.into_iter().map(|(_, recorder)| recorder).collect();
-        for (_, recorder) in done {
-            news.extend(self.finished(recorder.status()));
+        for (_, (number, recorder)) in done {
+            news.extend(self.finished(number, recorder.status()));
         }
         news
     }
 
-    fn finished(&mut self, status: RecordingStatus) -> Option<News> {
+    fn finished(&mut self, number: u32, status: RecordingStatus) -> Option<News> {
         let news = match (&status.error, status.dropped_ticks) {
             (Some(error), _) => {
                 self.failed = true;
@@ -189,7 +201,10 @@ impl FlightRecorder {
                 said(&status)
             ))),
         };
-        self.last = Some(status);
+        // The disk may finish the files in another order.
+        if self.last.as_ref().is_none_or(|last| last.0 < number) {
+            self.last = Some((number, status));
+        }
         news
     }
 
@@ -198,7 +213,7 @@ impl FlightRecorder {
         let (mut news, start) = (self.news(), now());
         while !self.closing.is_empty() {
             if start.elapsed() > CLOSE_PATIENCE {
-                self.closing.iter_mut().for_each(Recorder::abandon);
+                self.closing.iter_mut().for_each(|(_, recorder)| recorder.abandon());
             }
             std::thread::sleep(LOOK);
             news.extend(self.news());
@@ -241,6 +256,26 @@ mod tests {
         assert_eq!((status.state, status.ticks), (RecordingState::Finished, 400));
         assert!(status.file.ends_with("flight-2.mcap") && status.bytes > 0);
         std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn the_newest_recording_is_told_of_in_whatever_order_the_disk_finishes_the_files() {
+        let mut flights = FlightRecorder::new(Some("flight.mcap".into()), Outputs::default());
+        let done = |file: &str| RecordingStatus {
+            file: file.into(),
+            state: RecordingState::Finished,
+            bytes: 1,
+            ticks: 1,
+            dropped_ticks: 0,
+            error: None,
+            warning: None,
+        };
+        for (number, file) in [(2, "flight-2.mcap"), (1, "flight.mcap"), (3, "flight-3.mcap")] {
+            assert!(matches!(flights.finished(number, done(file)), Some(News::Finished(_))));
+            let newest = number.max(2);
+            let status = flights.status().unwrap();
+            assert_eq!(status.file, PathBuf::from(format!("flight-{newest}.mcap")));
+        }
     }
 
     #[test]
