@@ -44,13 +44,13 @@ impl Allocation {
     /// is true if the demand did not fit. Roll and pitch then keep their moment as long as possible, the collective thrust moves to
     /// make room, and yaw gets the rest.
     pub fn allocate(&self, thrust_n: f64, moment_n_m: &Vector3<f64>) -> (PerRotor, bool) {
-        if self.n == 0 || !(thrust_n.is_finite() && moment_n_m.iter().all(|x| x.is_finite())) {
-            let each = if self.n == 0 { 0.0 } else { f64::NAN };
-            return ([each; MAX_ROTORS], true);
+        if self.n == 0 {
+            return ([0.0; MAX_ROTORS], true);
         }
         let column = |axis: usize, value: f64| self.inverse.column(axis) * value;
         let tilt = column(1, moment_n_m.x) + column(2, moment_n_m.y);
-        if !tilt.iter().all(|x| x.is_finite()) {
+        let demand = [thrust_n, moment_n_m.z];
+        if !tilt.iter().chain(&demand).all(|x| x.is_finite()) {
             return ([f64::NAN; MAX_ROTORS], true);
         }
         let lift = column(0, 1.0);
