@@ -1,6 +1,6 @@
 //! How well a flight without a payload to place kept to its reference: position error, contact, saturation.
 
-use twin_core::elementary::squared;
+use super::rms::Rms;
 use twin_core::flight::LONG_SATURATION_S;
 use twin_core::notation::TICK_S;
 use twin_core::tick::{Tick, Truth};
@@ -14,29 +14,11 @@ const REST_S: f64 = 0.5;
 /// Weakest contact force that counts, N.
 const TOUCH_N: f64 = 0.1;
 
-/// Sum and number of squared position errors.
-#[derive(Clone, Copy, Debug, Default)]
-struct Squares {
-    sum: f64,
-    count: u64,
-}
-
-impl Squares {
-    fn add(&mut self, squared: f64) {
-        self.sum += squared;
-        self.count += 1;
-    }
-
-    fn root_mean(&self) -> f64 {
-        (self.sum / self.count.max(1) as f64).sqrt()
-    }
-}
-
 /// Accumulates a flight.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Course {
-    whole: Squares,
-    settled: Squares,
+    whole: Rms,
+    settled: Rms,
     ticks: u64,
     saturated: u64,
     /// Ticks since when the vehicle is in contact without a break.
@@ -46,10 +28,11 @@ pub(super) struct Course {
 impl Course {
     /// Adds a tick with the true state.
     pub(super) fn add(&mut self, tick: &Tick, truth: &Truth) {
-        let error = (truth.chi - *tick.reference.chi_des).fixed_rows::<3>(0).norm();
-        self.whole.add(squared(error));
+        let error = truth.chi - *tick.reference.chi_des;
+        let position_squared = error.fixed_rows::<3>(0).norm_squared();
+        self.whole.add(position_squared);
         if tick.measurement.t_s >= FROM_S {
-            self.settled.add(squared(error));
+            self.settled.add(position_squared);
         }
         self.ticks += 1;
         self.saturated += u64::from(tick.measurement.saturated);
@@ -58,7 +41,7 @@ impl Course {
 
     /// Root mean square of the position error from 2 s on, or over the whole of a shorter flight, m.
     pub(super) fn error_m(&self) -> f64 {
-        if self.settled.count > 0 { self.settled.root_mean() } else { self.whole.root_mean() }
+        self.settled.value().or(self.whole.value()).unwrap_or(0.0)
     }
 
     /// True if the vehicle lies on a surface.

@@ -13,6 +13,7 @@ mod document;
 mod merge;
 pub mod file;
 mod demands;
+mod rms;
 mod course;
 pub mod verdict;
 pub mod metrics;
@@ -288,5 +289,5 @@ pub enum BuildError {
     },
     /// A signal asked the program to end before the flight was over.
     #[error(transparent)]
-    Interrupted(#[from] twin_record::interruption::Interrupted),
+    Interrupted(#[from] twin_input::interruption::Interrupted),
 }

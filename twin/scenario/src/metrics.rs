@@ -9,28 +9,11 @@ use std::collections::BTreeMap;
 use nalgebra::Vector3;
 
 use super::course::FROM_S;
+use super::rms::Rms;
 use twin_core::elementary::{acos, cos, squared};
 use twin_core::notation::{COORDINATE_NAMES, Coords, N, tracking_error};
 use twin_core::residual::NOMINAL_SCALE;
 use twin_core::tick::{EventKind, Tick};
-
-/// Root of a mean of squares.
-#[derive(Clone, Copy, Debug, Default)]
-struct Rms {
-    sum: f64,
-    count: f64,
-}
-
-impl Rms {
-    fn add(&mut self, squared: f64) {
-        self.sum += squared;
-        self.count += 1.0;
-    }
-
-    fn value(&self) -> Option<f64> {
-        (self.count > 0.0).then(|| (self.sum / self.count).sqrt())
-    }
-}
 
 /// Accumulates the metrics of one flight.
 #[derive(Clone, Debug, Default)]
