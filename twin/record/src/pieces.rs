@@ -22,6 +22,9 @@ pub const NO_RECORD: u8 = 0x00;
 /// Bytes of opcode and length, which precede every record.
 pub const HEAD_BYTES: usize = 9;
 
+/// A size that a recorder writes when it opens a chunk, and replaces when it closes the chunk.
+pub const OPEN: u64 = u64::MAX;
+
 /// Bytes of a chunk record before the name of its compression: times, size and checksum.
 const CHUNK_HEAD_BYTES: usize = 8 + 8 + 8 + 4;
 

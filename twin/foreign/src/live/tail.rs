@@ -8,13 +8,13 @@ use super::super::table::{Input, read_at};
 use super::Shared;
 use twin_input::budget::RECORD_BYTES;
 use twin_input::{Inflation, file};
-use twin_record::pieces::{CHUNK, DATA_END, FOOTER, HEAD_BYTES, Next, unpack};
+use twin_record::pieces::{CHUNK, DATA_END, FOOTER, HEAD_BYTES, Next, OPEN, unpack};
 
 /// Pause before a file that did not grow is checked again.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// Lengths that recorders write at the head of a chunk until they close it and know its length.
-const OPEN: [u64; 2] = [0, u64::MAX];
+const UNFINISHED: [u64; 2] = [0, OPEN];
 
 /// Reads `path` from its start and continues as it grows. A file that is replaced or becomes shorter is read from its start
 /// again.
@@ -61,7 +61,7 @@ fn read(shared: &Shared, file: &mut dyn Input) -> Result<(), String> {
         if matches!(head[0], DATA_END | FOOTER) {
             return ended(shared, file, length);
         }
-        let is_open = OPEN.contains(&body);
+        let is_open = UNFINISHED.contains(&body);
         if !is_open
             && body > RECORD_BYTES.most
             && let Some(damage) = Next::TooLong(body).damage(at)

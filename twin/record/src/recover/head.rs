@@ -1,13 +1,15 @@
 //! What the first bytes of a record say, and whether that can be true. The search for the next readable record rests on it.
 
 use super::source::Source;
+use crate::pieces::{self, OPEN};
 use mcap::records::op;
+use twin_input::budget::RECORD_BYTES;
 
 /// Bytes of opcode and length, which precede every record.
-pub(super) const HEAD_BYTES: u64 = 9;
+pub(super) const HEAD_BYTES: u64 = pieces::HEAD_BYTES as u64;
 
 /// Longest record and chunk that is read; recorders write a few MiB.
-pub(super) const LONGEST_RECORD_BYTES: u64 = 256 << 20;
+pub(super) const LONGEST_RECORD_BYTES: u64 = RECORD_BYTES.most;
 
 /// Bytes of a chunk's header before the name of its compression.
 const CHUNK_HEADER_BYTES: u64 = 32;
@@ -17,9 +19,6 @@ const LEAST_MESSAGE_BYTES: u64 = 22;
 
 /// Compressions that a chunk may name.
 const COMPRESSIONS: [&str; 3] = ["", "zstd", "lz4"];
-
-/// A size that a recorder writes when it opens a chunk, and replaces when it closes the chunk.
-const OPEN: u64 = u64::MAX;
 
 /// Opcode and length of a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
