@@ -6,6 +6,7 @@ mod draws;
 mod endings;
 mod fdt;
 mod flight;
+mod folder;
 mod harness;
 mod layers;
 mod mirror;

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
-use crate::bad_input::Folder;
+use crate::folder::Folder;
 use crate::mirror::made;
 use crate::patience::until;
 
@@ -40,8 +40,6 @@ fn refused(arguments: &[&str], wanted: &[&str]) {
 const COMMANDS: &[&[&str]] = &[
     &["fly", "FILE", "--headless"],
     &["FILE", "--headless"],
-    &["check", "FILE"],
-    &["check", "FILE"],
     &["check", "FILE"],
     &["info", "FILE"],
     &["mirror", "FILE", "--headless"],

@@ -1,9 +1,8 @@
 // Measures the flight while 200 clients of every kind watch, 20 of which read nothing: node tests/browser/crowd.mjs [--seconds 10]
 // It asserts nothing and prints the lateness of ticks without and with the crowd, lost ticks, and the server's memory per client.
 import { parseArgs } from "node:util";
-import WebSocket from "ws";
 import { freePort, pause, startTwin } from "./harness.mjs";
-import { between, lateness, LONG_FLIGHT, machine, Reader, residentMiB, stalled } from "./measure.mjs";
+import { between, foxglove, join, lateness, LONG_FLIGHT, machine, Reader, residentMiB, stalled } from "./measure.mjs";
 
 const { values: options } = parseArgs({ options: { seconds: { type: "string", default: "10" }, rounds: { type: "string", default: "2" } } });
 const SECONDS = Number(options.seconds);
@@ -11,40 +10,8 @@ const SECONDS = Number(options.seconds);
 const ROUNDS = Number(options.rounds);
 /** Numbers of clients that read and of clients that do not, by kind. */
 const CROWD = { console: [80, 5], meshcat: [40, 5], viser: [40, 5], foxglove: [20, 5] };
-/** Topics to which the Foxglove clients subscribe. MeshCat and viser get the newest poses only, Foxglove gets every row. */
-const TOPICS = ["/tf", "/scene", "/twin/telemetry"];
 
 const say = (name, value) => console.log(`${name.padEnd(52)} ${value}`);
-
-function join(url, subprotocols, reads, hear = () => {}) {
-  const socket = new WebSocket(url, subprotocols, { perMessageDeflate: false });
-  const client = { frames: 0, closed: false, close: () => socket.terminate() };
-  socket.on("error", () => {});
-  socket.on("close", () => (client.closed = true));
-  socket.on("message", (data, binary) => {
-    client.frames += 1;
-    if (!binary) hear(socket, data);
-  });
-  return new Promise((resolve, reject) => {
-    socket.once("error", reject);
-    socket.once("open", () => {
-      if (!reads) socket.pause();
-      resolve(client);
-    });
-  });
-}
-
-/** A Foxglove client that subscribes to those topics when the server advertises them; afterwards it reads only if `reads`. */
-function foxglove(port, reads) {
-  let id = 0;
-  return join(`ws://127.0.0.1:${port}`, ["foxglove.sdk.v1"], true, (socket, data) => {
-    const said = JSON.parse(data);
-    if (said.op !== "advertise") return;
-    const channels = said.channels.filter(({ topic }) => TOPICS.includes(topic));
-    socket.send(JSON.stringify({ op: "subscribe", subscriptions: channels.map((channel) => ({ id: (id += 1), channelId: channel.id })) }));
-    if (!reads && id >= TOPICS.length) socket.pause();
-  });
-}
 
 const twins = await freePort();
 const beside = await freePort();

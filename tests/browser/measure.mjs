@@ -100,3 +100,37 @@ export function machine() {
   const cores = execFileSync("nproc", { encoding: "utf8" }).trim();
   return `${cores} x ${model}`;
 }
+
+/** Topics to which Foxglove clients subscribe. MeshCat and viser get the newest poses only, Foxglove gets every row. */
+const TOPICS = ["/tf", "/scene", "/twin/telemetry"];
+
+/** A client of any kind that counts its frames; unless it `reads`, it reads nothing once it is connected. */
+export function join(url, subprotocols, reads, hear = () => {}) {
+  const socket = new WebSocket(url, subprotocols, { perMessageDeflate: false });
+  const client = { frames: 0, closed: false, close: () => socket.terminate() };
+  socket.on("error", () => {});
+  socket.on("close", () => (client.closed = true));
+  socket.on("message", (data, binary) => {
+    client.frames += 1;
+    if (!binary) hear(socket, data);
+  });
+  return new Promise((resolve, reject) => {
+    socket.once("error", reject);
+    socket.once("open", () => {
+      if (!reads) socket.pause();
+      resolve(client);
+    });
+  });
+}
+
+/** A Foxglove client that subscribes to those topics when the server advertises them; afterwards it reads only if `reads`. */
+export function foxglove(port, reads) {
+  let id = 0;
+  return join(`ws://127.0.0.1:${port}`, ["foxglove.sdk.v1"], true, (socket, data) => {
+    const said = JSON.parse(data);
+    if (said.op !== "advertise") return;
+    const channels = said.channels.filter(({ topic }) => TOPICS.includes(topic));
+    socket.send(JSON.stringify({ op: "subscribe", subscriptions: channels.map((channel) => ({ id: (id += 1), channelId: channel.id })) }));
+    if (!reads && id >= TOPICS.length) socket.pause();
+  });
+}

@@ -3,9 +3,8 @@
 // recording of the served flight with that of the headless flight of the same seed, tick by tick and channel by channel.
 import { spawnSync } from "node:child_process";
 import { parseArgs } from "node:util";
-import WebSocket from "ws";
 import { BINARY, freePort, pause, ROOT, scratch, startTwin } from "./harness.mjs";
-import { machine, Reader, residentMiB } from "./measure.mjs";
+import { foxglove, join, machine, Reader, residentMiB } from "./measure.mjs";
 
 const { values: options } = parseArgs({ options: { minutes: { type: "string", default: "10" }, every: { type: "string", default: "30" } } });
 const MINUTES = Number(options.minutes);
@@ -14,39 +13,10 @@ const EVERY_S = Number(options.every);
 const SCENARIO = "scenarios/hover.toml";
 /** Numbers of clients that read and of clients that do not, by kind: 60 together. */
 const CROWD = { console: [18, 3], meshcat: [10, 3], viser: [10, 3], foxglove: [10, 3] };
-const TOPICS = ["/tf", "/scene", "/twin/telemetry"];
 /** The server closes a client that reads nothing after 20 s; it is replaced after this time, s. */
 const REPLACED_AFTER_S = 25;
 /** The first two minutes are left out of the memory: the minute that every new client gets must be flown first, then buffers grow to it. */
 const WARM_UP_MIN = 2;
-
-function join(url, subprotocols, reads, hear = () => {}) {
-  const socket = new WebSocket(url, subprotocols, { perMessageDeflate: false });
-  const client = { closed: false, socket, close: () => socket.terminate() };
-  socket.on("error", () => {});
-  socket.on("close", () => (client.closed = true));
-  socket.on("message", (data, binary) => {
-    if (!binary) hear(socket, data);
-  });
-  return new Promise((resolve, reject) => {
-    socket.once("error", reject);
-    socket.once("open", () => {
-      if (!reads) socket.pause();
-      resolve(client);
-    });
-  });
-}
-
-function foxglove(port, reads) {
-  let id = 0;
-  return join(`ws://127.0.0.1:${port}`, ["foxglove.sdk.v1"], true, (socket, data) => {
-    const said = JSON.parse(data);
-    if (said.op !== "advertise") return;
-    const channels = said.channels.filter(({ topic }) => TOPICS.includes(topic));
-    socket.send(JSON.stringify({ op: "subscribe", subscriptions: channels.map((channel) => ({ id: (id += 1), channelId: channel.id })) }));
-    if (!reads && id >= TOPICS.length) socket.pause();
-  });
-}
 
 async function metrics(url) {
   const text = await (await fetch(`${url}/metrics`)).text();

@@ -85,22 +85,7 @@ fn get(address: SocketAddr, path: &str) -> String {
 fn a_served_flight_goes_on_and_everybody_is_told() {
     let folder = Folder::new("served-full");
     let path = folder.text("f.mcap");
-    let mut child = limited(&[
-        "fly",
-        "scenarios/hover.toml",
-        "--port",
-        "0",
-        "--speed",
-        "max",
-        "--record",
-        &path,
-        "--set",
-        "task.duration_s=3500",
-        "--set",
-        "time_limit_s=3600",
-    ])
-    .spawn()
-    .expect("a shell");
+    let mut child = limited(&served_hover(&path)).spawn().expect("a shell");
     let mut said = std::io::BufReader::new(child.stderr.take().expect("its messages"));
     let address = address(&mut said);
     // Reads on, so that the program can always write.

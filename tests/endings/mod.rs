@@ -8,37 +8,17 @@ mod signals;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 
+use super::folder::Folder;
 use super::patience::until;
-
-/// A folder of a test that is removed at its end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("twin-endings-{}-{name}", std::process::id()));
-        std::fs::create_dir_all(&path).expect("a temporary folder");
-        Self(path)
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.join(name)
-    }
-
-    fn text(&self, name: &str) -> String {
-        self.path(name).display().to_string()
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        // A folder that cannot be removed does not matter.
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
 
 /// A hover that lasts longer than any test.
 const LONG_HOVER: [&str; 5] =
     ["scenarios/hover.toml", "--set", "task.duration_s=3500", "--set", "time_limit_s=3600"];
+
+/// The words that serve the long hover on any free port, recorded at `path`.
+fn served_hover(path: &str) -> Vec<&str> {
+    [&["fly"], &LONG_HOVER[..], &["--port", "0", "--speed", "max", "--record", path]].concat()
+}
 
 /// The program, and the words that a shell would take. `env` of coreutils gives the signals back their default action, because a caller
 /// of the tests may ignore some: `nohup` does, and so does a shell for what it runs in the background.

@@ -38,20 +38,7 @@ fn a_served_flight_finishes_its_recording() {
     for (name, number) in SIGNALS {
         let path = folder.path(&format!("{name}.mcap"));
         let record = path.display().to_string();
-        let child = start(&[
-            "fly",
-            "scenarios/hover.toml",
-            "--port",
-            "0",
-            "--speed",
-            "max",
-            "--record",
-            &record,
-            "--set",
-            "task.duration_s=3500",
-            "--set",
-            "time_limit_s=3600",
-        ]);
+        let child = start(&served_hover(&record));
         until_it_has(&path, BEGUN_BYTES);
         signal(&child, name);
         let (code, _, said) = ended(child);
