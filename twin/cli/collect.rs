@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use twin_core::notation::{COORDINATE_NAMES, TICK_S};
-use twin_record::interruption::{self, Signal};
+use twin_input::interruption::{self, Signal};
 use twin_record::output::{Outputs, make_folder, note};
 use twin_scenario::collect::{
     CollectError, Collected, EXPECTED_STD, Flight, Plan, Spread, collect,
@@ -61,11 +61,8 @@ pub(super) fn run(args: &CollectArgs) -> anyhow::Result<End> {
         overrides: args.overrides.set.clone(),
     };
     let flights = plan.flights()?;
-    let outputs = args.overwrite.outputs();
-    if args.json {
-        outputs.reserve_stdout("--json")?;
-    }
-    outputs.protect(flights.iter().flat_map(|flight| flight.scenario.input_files()));
+    let inputs = flights.iter().flat_map(|flight| flight.scenario.input_files());
+    let outputs = args.overwrite.outputs_beside(inputs, args.json)?;
     make_folder(&args.out, "--out")?;
     let table = outputs.reserve(&args.out.join("collect.json"), "--out")?;
     for flight in &flights {

@@ -9,8 +9,9 @@ use twin_core::notation::{COORDINATE_NAMES, KnownCoords, N};
 use twin_core::tick::Tick;
 use twin_foreign::OpenedFlight;
 use twin_foreign::Shadow;
+use twin_input::interruption;
 use twin_record::output::note;
-use twin_record::{interruption, read_recording};
+use twin_record::read_recording;
 
 use super::{End, Overwrite};
 

@@ -8,8 +8,9 @@ use anyhow::Context;
 use clap::Args;
 use twin_console::server::{AppOrigin, Limits, ServeOptions, serve};
 use twin_core::quantity;
+use twin_input::interruption;
 use twin_record::output::note;
-use twin_record::{Outputs, Recorder, RecordingEnd, RecordingStatus, interruption};
+use twin_record::{Outputs, Recorder, RecordingEnd, RecordingStatus};
 use twin_scenario::run::event_lines;
 use twin_scenario::{Report, Scenario, Verdict, fly_until_signal};
 

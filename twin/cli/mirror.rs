@@ -14,9 +14,9 @@ use twin_core::tick::Tick;
 use twin_foreign::live::{From, is_address};
 use twin_foreign::{Live, OpenedFlight, stand_in};
 use twin_foreign::{Shadow, ShadowReport};
+use twin_input::interruption::{self, Signal};
 use twin_lab::evaluate::mirrored::FlightPicture;
 use twin_plant::model::Packages;
-use twin_record::interruption::{self, Signal};
 use twin_record::output::note;
 use twin_record::{Outputs, Recorder, RecordingEnd, RecordingInfo, RecordingStatus};
 use twin_scenario::Verdict;
@@ -107,13 +107,9 @@ pub(super) fn run(args: &MirrorArgs) -> anyhow::Result<End> {
 
 /// Reads the flight to its end, and prints what was found.
 fn headless(args: &MirrorArgs, opened: &OpenedFlight) -> anyhow::Result<End> {
-    let outputs = args.overwrite.outputs();
-    outputs.protect([&args.file]);
-    outputs.protect(args.map.iter());
+    let outputs = args.overwrite.outputs_beside([&args.file], args.json)?;
+    outputs.protect(&args.map);
     outputs.protect(args.urdf.iter().flat_map(|urdf| Packages::default().files(urdf)));
-    if args.json {
-        outputs.reserve_stdout("--json")?;
-    }
     let plot = args.plot.as_ref().map(|plot| outputs.reserve(plot, "--plot")).transpose()?;
     let shadow = Shadow::of(opened);
     let twin = beside::twin(args.urdf.as_deref(), opened)?;

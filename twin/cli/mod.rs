@@ -31,8 +31,8 @@ use anyhow::Context;
 use clap::{Args, Parser, Subcommand};
 use twin_core::residual::weights::Weights;
 use twin_input::budget::WEIGHTS_BYTES;
-use twin_record::interruption::{self, Signal};
-use twin_record::output::{OutputError, Outputs, note};
+use twin_input::interruption::{self, Signal};
+use twin_record::output::{Output, OutputError, Outputs, note};
 use twin_scenario::Verdict;
 
 /// Digital twin of an aerial manipulator: contacts, residual learning, adaptive control, live console.
@@ -133,6 +133,29 @@ impl Overwrite {
     fn outputs(&self) -> Outputs {
         Outputs::new(self.overwrite)
     }
+
+    /// The outputs of a run that reads `inputs`, and with `json` prints its object on stdout.
+    fn outputs_beside<P: AsRef<Path>>(
+        &self,
+        inputs: impl IntoIterator<Item = P>,
+        json: bool,
+    ) -> anyhow::Result<Outputs> {
+        let outputs = self.outputs();
+        outputs.protect(inputs);
+        if json {
+            outputs.reserve_stdout("--json")?;
+        }
+        Ok(outputs)
+    }
+}
+
+/// Reserves the place of the report that `flag` names, if it names one.
+fn place(
+    outputs: &Outputs,
+    path: Option<&Path>,
+    flag: &'static str,
+) -> anyhow::Result<Option<Output>> {
+    Ok(path.map(|path| outputs.reserve_with_folder(path, flag)).transpose()?)
 }
 
 /// The outcome of a command, which determines its exit code.

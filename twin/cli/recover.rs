@@ -34,11 +34,7 @@ pub(super) struct RecoverArgs {
 }
 
 pub(super) fn run(args: &RecoverArgs) -> anyhow::Result<End> {
-    let outputs = args.overwrite.outputs();
-    outputs.protect([&args.file]);
-    if args.json {
-        outputs.reserve_stdout("--json")?;
-    }
+    let outputs = args.overwrite.outputs_beside([&args.file], args.json)?;
     let mut out = outputs.reserve(&args.output, "--output")?.open()?;
     let salvaged = recover(&args.file, &mut out, args.unverified)?;
     out.finish()?;

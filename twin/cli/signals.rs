@@ -6,8 +6,7 @@ use std::sync::atomic::AtomicBool;
 
 use anyhow::Context;
 use signal_hook::flag;
-use twin_input::Stop;
-use twin_record::interruption::{Signal, inbox};
+use twin_input::interruption::{Signal, inbox};
 
 /// Installs the handlers, for a command that has files to finish.
 pub(super) fn catch() -> anyhow::Result<()> {
@@ -38,8 +37,6 @@ fn install(signal: Signal, asked: &Arc<AtomicBool>) -> std::io::Result<()> {
     }
     flag::register(number, Arc::clone(asked))?;
     flag::register_usize(number, Arc::clone(inbox()), number as usize)?;
-    // Readers of long files ask for this one, after the signal is known.
-    flag::register(number, Arc::clone(Stop::of_process().flag()))?;
     Ok(())
 }
 

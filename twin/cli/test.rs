@@ -7,7 +7,7 @@ use clap::{Args, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 use twin_console::replay;
 use twin_input::budget::REPORT_BYTES;
-use twin_record::interruption;
+use twin_input::interruption;
 use twin_record::output::{Output, Outputs, note};
 use twin_scenario::suite::{
     Evidence, Options, Plan, Selection, Shard, SuiteReport, junit, merge, page, plan, run,
@@ -15,7 +15,7 @@ use twin_scenario::suite::{
 use twin_scenario::{Report, Scenario};
 
 use super::test_table::{line, print_table};
-use super::{End, Overrides, Overwrite, print};
+use super::{End, Overrides, Overwrite, place, print};
 
 #[derive(Args)]
 #[command(args_conflicts_with_subcommands = true)]
@@ -103,15 +103,9 @@ struct Places {
 impl Reports {
     /// Reserves the places; the run reads `inputs`.
     fn reserve(&self, inputs: impl IntoIterator<Item = PathBuf>) -> anyhow::Result<Places> {
-        let outputs = self.overwrite.outputs();
-        outputs.protect(inputs);
-        if self.json {
-            outputs.reserve_stdout("--json")?;
-        }
-        let place = |path: &Option<PathBuf>, flag| {
-            path.as_ref().map(|path| outputs.reserve_with_folder(path, flag)).transpose()
-        };
-        let (junit, html) = (place(&self.junit, "--junit")?, place(&self.html, "--html")?);
+        let outputs = self.overwrite.outputs_beside(inputs, self.json)?;
+        let junit = place(&outputs, self.junit.as_deref(), "--junit")?;
+        let html = place(&outputs, self.html.as_deref(), "--html")?;
         Ok(Places { outputs, junit, html })
     }
 }

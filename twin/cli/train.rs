@@ -189,12 +189,8 @@ fn jobs(args: &TrainArgs) -> anyhow::Result<Vec<Job>> {
 fn train(args: &TrainArgs, jobs: &[Job]) -> anyhow::Result<End> {
     use twin_lab::learn::{Dataset, device};
     let data = flights(&args.data)?;
-    let outputs = args.overwrite.outputs();
-    outputs.protect(&data);
+    let outputs = args.overwrite.outputs_beside(&data, args.json)?;
     outputs.protect([&args.config]);
-    if args.json {
-        outputs.reserve_stdout("--json")?;
-    }
     device::choose(match args.device {
         Where::Cpu => device::DeviceKind::Cpu,
         Where::Gpu => device::DeviceKind::Gpu,
@@ -229,7 +225,7 @@ fn train(args: &TrainArgs, jobs: &[Job]) -> anyhow::Result<End> {
         };
         print(&outputs, |out| Ok(writeln!(out, "{value}")?))?;
     }
-    Ok(match twin_record::interruption::requested() {
+    Ok(match twin_input::interruption::requested() {
         Some(signal) if stopped => End::Interrupted(signal),
         _ => End::Passed,
     })

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use twin_input::interruption;
 use twin_lab::evaluate::Sheet;
 use twin_lab::evaluate::sheet::figure;
-use twin_record::interruption;
 use twin_record::output::note;
 use twin_scenario::table::{Job, Line, condense, fly_all};
 

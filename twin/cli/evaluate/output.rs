@@ -8,7 +8,7 @@ use twin_lab::evaluate::{Sheet, pictures_page};
 use twin_record::output::{self, Outputs, note};
 use twin_scenario::Scenario;
 
-use crate::cli::Overwrite;
+use crate::cli::{Overwrite, place};
 
 /// The flags of every command that makes a table.
 #[derive(Args)]
@@ -50,15 +50,9 @@ impl Output {
         &self,
         inputs: impl IntoIterator<Item = PathBuf>,
     ) -> anyhow::Result<Places> {
-        let outputs = self.overwrite.outputs();
-        outputs.protect(inputs);
-        if self.json {
-            outputs.reserve_stdout("--json")?;
-        }
-        let place = |path: &Option<PathBuf>, flag| {
-            path.as_ref().map(|path| outputs.reserve_with_folder(path, flag)).transpose()
-        };
-        let (csv, html) = (place(&self.csv, "--csv")?, place(&self.html, "--html")?);
+        let outputs = self.overwrite.outputs_beside(inputs, self.json)?;
+        let csv = place(&outputs, self.csv.as_deref(), "--csv")?;
+        let html = place(&outputs, self.html.as_deref(), "--html")?;
         Ok(Places { outputs, csv, html })
     }
 }

@@ -11,8 +11,8 @@ fn train_with_bar(
     data: &twin_lab::learn::Dataset,
     request: &twin_lab::learn::train::Request<'_>,
 ) -> anyhow::Result<twin_lab::learn::train::Outcome> {
+    use twin_input::interruption;
     use twin_lab::learn::train::{Progress, train};
-    use twin_record::interruption;
     let (bar, mut words) = (bar(request.config), String::new());
     let mut observe = |progress: Progress| {
         let per_epoch = progress.steps.1 as u64;

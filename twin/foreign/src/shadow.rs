@@ -21,7 +21,7 @@ use twin_core::residual::{Predictor, RandomFeatures, label, lra};
 use twin_core::task::{Step, Task, View};
 use twin_core::tick::{Adaptation, Event, EventKind, GripperCommand, Reference, Setpoint, Tick};
 use twin_core::tuning::Tuning;
-use twin_record::interruption;
+use twin_input::interruption;
 
 /// Name of the predictor for people.
 pub const PREDICTOR: &str =

@@ -1,35 +1,33 @@
-//! A request to stop, such as Ctrl+C, which readers ask for between records.
+//! The request to stop that readers ask for between pieces: the signal of the process, or in a test a request of its own.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, LazyLock};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
-static OF_PROCESS: LazyLock<Stop> = LazyLock::new(Stop::default);
+use crate::interruption::inbox;
 
 /// A request to stop. Clones share the request.
 #[derive(Clone, Debug, Default)]
 pub struct Stop {
-    flag: Arc<AtomicBool>,
+    /// Number of the signal that made the request; 0 until one did.
+    signal: Arc<AtomicUsize>,
 }
 
 impl Stop {
-    /// The request to the whole process. A signal handler makes it; every [`crate::Reader`] asks for it unless it is told otherwise.
+    /// The request that a signal makes to the whole process; every [`crate::Reader`] asks for it unless it is told otherwise.
     pub fn of_process() -> Self {
-        OF_PROCESS.clone()
-    }
-
-    /// Makes the request.
-    pub fn request(&self) {
-        self.flag.store(true, Ordering::Relaxed);
+        Self { signal: Arc::clone(inbox()) }
     }
 
     /// Whether the request was made.
     pub fn is_requested(&self) -> bool {
-        self.flag.load(Ordering::Relaxed)
+        self.signal.load(Ordering::Relaxed) != 0
     }
 
-    /// The flag that makes the request, for a signal handler.
-    pub fn flag(&self) -> &Arc<AtomicBool> {
-        &self.flag
+    /// Makes the request, as a signal would.
+    #[cfg(test)]
+    pub(crate) fn request(&self) {
+        let signal = crate::interruption::Signal::Interrupt;
+        self.signal.store(signal.number().into(), Ordering::Relaxed);
     }
 }
 

@@ -4,10 +4,9 @@
 //! A recording is an MCAP file. Other programs can read it, because it uses Foxglove's schemas. The topics `/twin/measurement` and
 //! `/twin/tick` also hold every bit of the loop, so that a replay is exact.
 //!
-//! Without the feature `files` only the scene, the metadata and the question for signals remain; they compile for `wasm32-unknown-unknown`.
+//! Without the feature `files` only the scene and the metadata remain; they compile for `wasm32-unknown-unknown`.
 
 pub mod program;
-pub mod interruption;
 pub mod scene;
 mod recording_info;
 pub mod lossless;

@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 
 use mcap::records::Record;
 
-use crate::interruption::{self, Interrupted};
 use crate::lossless;
 use crate::output::OutputError;
 use crate::pieces::{self, CHUNK, DATA_END, HEAD_BYTES, Next};
 use crate::recording_info::MIRRORED;
 use twin_core::tick::Tick;
 use twin_input::budget::{ATTACHED_BYTES, TICKS};
+use twin_input::interruption::{self, Interrupted};
 use twin_input::{Excess, Inflation, InputError};
 
 /// Topic of the whole tick.

@@ -13,7 +13,7 @@ use twin_core::residual::weights::WeightsError;
 use twin_core::residual::weights::{Acceptance, Weights};
 use twin_core::tick::Tick;
 use twin_input::budget::WEIGHTS_BYTES;
-use twin_record::interruption;
+use twin_input::interruption;
 
 /// Corner of the low-pass on the estimate, Hz.
 const BANDWIDTH_HZ: f64 = 2.0;

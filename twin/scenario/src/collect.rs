@@ -12,8 +12,8 @@ use sha2::{Digest, Sha256};
 use super::{BuildError, Scenario, ScenarioError, Verdict, run};
 use twin_core::notation::{Coords, N};
 use twin_core::tick::Tick;
+use twin_input::interruption::{self, Interrupted};
 use twin_input::{InputError, file};
-use twin_record::interruption::{self, Interrupted};
 use twin_record::{OutputError, Outputs, Recorder, RecordingEnd, RecordingError};
 
 /// Number of ticks between two reports of progress.

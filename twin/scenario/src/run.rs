@@ -11,7 +11,7 @@ use super::settings::{Settings, TaskKind};
 use super::{BuildError, Judge, Scenario, Verdict, demands};
 use twin_core::residual::PredictorInfo;
 use twin_core::tick::{Event, Tick};
-use twin_record::interruption::{self, Interrupted};
+use twin_input::interruption::{self, Interrupted};
 
 /// The result of a flight.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::cache::Cache;
 use super::{Report, Scenario, ScenarioError, Verdict, run, side_by_side};
 use twin_core::elementary::squared;
-use twin_record::interruption;
+use twin_input::interruption;
 
 /// One flight of the table.
 #[derive(Clone, Debug)]

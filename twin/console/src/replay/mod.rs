@@ -22,8 +22,9 @@ use twin_core::notation::TICK_S;
 use twin_core::residual::{HORIZON, PredictorInfo};
 use twin_core::tick::Tick;
 use twin_core::tuning::Tuning;
+use twin_input::interruption;
 use twin_record::scene::Scene;
-use twin_record::{Recording, RecordingError, interruption, read_recording};
+use twin_record::{Recording, RecordingError, read_recording};
 use twin_scenario::file::read_recorded;
 use twin_scenario::{ActuatorLimits, Assessor, DEFAULTS, Report, Scenario, Settings};
 

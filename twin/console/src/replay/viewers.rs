@@ -10,8 +10,9 @@ use base64::engine::general_purpose::STANDARD;
 use super::{ReplayError, fill, json_part};
 use crate::server::viewers::{MESHCAT, VISER, Wheel, export};
 use twin_input::budget::VIEWER_BYTES;
+use twin_input::interruption;
 use twin_record::scene::Scene;
-use twin_record::{Recording, RecordingError, interruption, read_recording};
+use twin_record::{Recording, RecordingError, read_recording};
 
 /// Level of zstd. A flight is written once, so a small file matters more than a fast compression.
 const COMPRESSION_LEVEL: i32 = 9;

@@ -12,7 +12,7 @@ use tokio::sync::watch;
 use crate::server::hub::Hub;
 use crate::server::listen::Beside;
 use crate::server::{App, ServerError, foxglove};
-use twin_record::interruption::{self, Signal};
+use twin_input::interruption::{self, Signal};
 
 /// Period at which the program looks for a signal.
 const LOOK: Duration = Duration::from_millis(20);

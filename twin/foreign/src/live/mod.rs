@@ -20,7 +20,7 @@ use std::time::Duration;
 
 use super::opened::{OpenError, OpenedFlight, choose_map};
 use shared::{Shared, wall};
-use twin_record::interruption;
+use twin_input::interruption;
 
 /// Period at which waiting threads check again.
 const LOOK: Duration = Duration::from_millis(20);

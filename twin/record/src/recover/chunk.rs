@@ -3,9 +3,9 @@
 use super::head::{ChunkSizes, HEAD_BYTES, Head, LONGEST_RECORD_BYTES};
 use super::report::Trouble;
 use super::source::Source;
-use crate::interruption;
 use mcap::records::op;
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use twin_input::interruption;
 
 /// Why the reading of a chunk stopped early.
 pub(super) enum Stop {

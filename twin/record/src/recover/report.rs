@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::interruption::Interrupted;
+use twin_input::interruption::Interrupted;
 
 /// Most places of damage that are described one by one.
 const MOST_LOSSES: usize = 20;

@@ -7,8 +7,8 @@ use super::head::{self, ChunkSizes, HEAD_BYTES, Head, LONGEST_RECORD_BYTES};
 use super::report::Trouble;
 use super::salvage::Salvage;
 use super::source::Source;
-use crate::interruption;
 use mcap::records::{Record, op};
+use twin_input::interruption;
 
 /// Bytes that are searched at a time.
 const SEARCH_BYTES: u64 = 1 << 16;

@@ -13,7 +13,8 @@ use super::record;
 use super::report::SuiteReport;
 use super::result::{CaseResult, Outcome};
 use crate::{Report, Scenario, Verdict, Violation, fly};
-use twin_record::{Outputs, interruption};
+use twin_input::interruption;
+use twin_record::Outputs;
 
 /// Options of a run.
 #[derive(Clone, Debug, Default)]

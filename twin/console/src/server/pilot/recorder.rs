@@ -4,7 +4,8 @@ use super::Pilot;
 use crate::server::ServerError;
 use crate::server::flight_recorder::News;
 use crate::server::protocol::NoticeLevel;
-use twin_record::{RecordingEnd, interruption};
+use twin_input::interruption;
+use twin_record::RecordingEnd;
 use twin_scenario::Verdict;
 
 impl Pilot {
