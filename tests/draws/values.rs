@@ -68,6 +68,9 @@ pub(super) fn text(rng: &mut Pcg64, key: &str, words: &[String]) -> String {
         let free = free_words(key);
         return free[rng.random_range(0..free.len())].to_owned();
     }
+    // A failure has a table of its own; `[[faults]]` draws failures.
+    let words: Vec<&String> =
+        words.iter().filter(|word| key != "disturbances.kind" || *word != "failure").collect();
     words[rng.random_range(0..words.len())].clone()
 }
 

@@ -109,6 +109,15 @@ impl Arena {
         }
     }
 
+    /// Whether the vehicle touches something or is about to.
+    pub(super) fn vehicle_touches(&self, world: &PhysicsWorld) -> bool {
+        let other =
+            |collider| self.fixed.contains(&collider) || Some(collider) == self.payload_collider;
+        world.contact_pairs().any(|pair| {
+            pair.has_any_active_contact() && !(other(pair.collider1) && other(pair.collider2))
+        })
+    }
+
     /// Height of the highest surface below `point`, m.
     pub(super) fn height_below(&self, point: &Vector3<f64>) -> f64 {
         let over = |s: &&Surface| {

@@ -3,11 +3,12 @@
 //! The root body's frame sits at its centre of mass (Rapier integrates the root's origin with the velocity of its centre of
 //! mass); every other body's frame is its link frame.
 
-use nalgebra::{DMatrix, Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{DMatrix, Isometry3, Matrix3, Vector3};
 use rapier3d_f64::prelude::*;
 
 use super::PlantError;
-use super::convert::{from_pose, rotation_matrix, to_pose, to_rotation, to_vector};
+use super::convert::{from_pose, rotation_matrix, to_pose, to_vector};
+use super::lump::{lumped_inertial, mass_properties};
 use crate::model::{Geometry, Inertial, JointKind, Robot, Shape};
 use twin_input::budget::MOVING_JOINTS;
 
@@ -39,7 +40,7 @@ pub struct Dof {
     /// The joint slides (`true`) or turns (`false`).
     pub prismatic: bool,
     /// `parent_body_from_joint` with x along the axis.
-    frame_in_parent: Pose,
+    pub(super) frame_in_parent: Pose,
 }
 
 /// The vehicle in Rapier's world.
@@ -227,6 +228,15 @@ impl Articulation {
         world.multibody_joints.get_mut(handle).map(|(multibody, _)| multibody)
     }
 
+    /// Places of the joints' rates in the generalised velocity of the multibody, in the order of [`Self::dofs`].
+    pub(super) fn columns(&self, world: &PhysicsWorld) -> Vec<usize> {
+        let column = |dof: &Dof| {
+            let (multibody, link) = world.multibody_joints.get(dof.handle)?;
+            multibody.link(link).map(MultibodyLink::assembly_id)
+        };
+        self.dofs.iter().filter_map(column).collect()
+    }
+
     /// Position and rate of a moving joint (index into [`Self::dofs`]), rad and rad/s or m and m/s.
     pub fn joint_state(&self, world: &PhysicsWorld, dof: usize) -> (f64, f64) {
         let dof = &self.dofs[dof];
@@ -322,47 +332,6 @@ impl Articulation {
         }
         m
     }
-}
-
-/// Mass, centre of mass and inertia tensor of several links together, in the frame of their body.
-pub(super) fn lumped_inertial(
-    robot: &Robot,
-    links: &[usize],
-    places: &[(usize, Isometry3<f64>)],
-) -> Inertial {
-    let parts = links.iter().map(|&link| (&robot.links[link].inertial, places[link].1));
-    let mass_kg: f64 = parts.clone().map(|(inertial, _)| inertial.mass_kg).sum();
-    let moment = parts.clone().fold(Vector3::zeros(), |sum, (inertial, place)| {
-        sum + (place * nalgebra::Point3::from(inertial.com_in_link)).coords * inertial.mass_kg
-    });
-    let com_in_link = if mass_kg > 0.0 { moment / mass_kg } else { Vector3::zeros() };
-    let inertia_in_link = parts.fold(Matrix3::zeros(), |sum, (inertial, place)| {
-        let r = place.rotation.to_rotation_matrix();
-        let d = (place * nalgebra::Point3::from(inertial.com_in_link)).coords - com_in_link;
-        let steiner =
-            (Matrix3::identity() * d.norm_squared() - d * d.transpose()) * inertial.mass_kg;
-        sum + r.matrix() * inertial.inertia_in_link * r.matrix().transpose() + steiner
-    });
-    Inertial { mass_kg, com_in_link, inertia_in_link }
-}
-
-/// `inertial` as Rapier takes it: along the principal axes. Rapier's own way from a tensor to its axes calls the system's `acos` and
-/// `cos`, which differ between platforms.
-pub(super) fn mass_properties(inertial: &Inertial) -> MassProperties {
-    let eigen = inertial.inertia_in_link.symmetric_eigen();
-    let (mut moments, mut axes) = (eigen.eigenvalues, eigen.eigenvectors);
-    if axes.determinant() < 0.0 {
-        axes.swap_columns(1, 2);
-        moments.swap_rows(1, 2);
-    }
-    let link_from_axes =
-        UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes));
-    MassProperties::with_principal_inertia_frame(
-        to_vector(&inertial.com_in_link),
-        inertial.mass_kg,
-        to_vector(&moments.map(|moment| moment.max(0.0))),
-        to_rotation(&link_from_axes),
-    )
 }
 
 /// A collider for `geometry` of a link that sits at `place` in its body.

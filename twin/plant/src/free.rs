@@ -4,8 +4,8 @@ use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 use rapier3d_f64::prelude::*;
 
 use super::STEP_S;
-use super::articulation::{lumped_inertial, mass_properties};
 use super::convert::{from_vector, rotation_matrix, to_pose, to_vector};
+use super::lump::{lumped_inertial, mass_properties};
 use crate::model::{Inertial, Robot, link_poses};
 use twin_core::notation::{GRAVITY_M_S2, TICK_S};
 

@@ -7,7 +7,11 @@
 pub mod model;
 pub mod settings;
 mod convert;
+mod lump;
 pub mod articulation;
+mod velocities;
+mod coriolis;
+mod leapfrog;
 mod arena;
 mod gripper;
 mod rotors;

@@ -259,6 +259,8 @@ pub struct SensorSettings {
 pub struct ContactSettings {
     /// Solver iterations (substeps) per 1 ms step.
     pub iterations: usize,
+    /// Sweeps of the solver over all constraints in a substep.
+    pub sweeps: usize,
     /// Natural frequency of contacts between moving bodies, Hz.
     pub frequency_hz: f64,
     /// Natural frequency of contacts with fixed bodies, Hz.

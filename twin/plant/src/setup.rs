@@ -68,7 +68,7 @@ pub fn new_world(contact: &ContactSettings) -> PhysicsWorld {
     let parameters = &mut world.integration_parameters;
     parameters.dt = STEP_S;
     parameters.num_solver_iterations = contact.iterations;
-    parameters.num_internal_pgs_iterations = 1;
+    parameters.num_internal_pgs_iterations = contact.sweeps;
     parameters.num_internal_stabilization_iterations = 1;
     parameters.contact_recycling = false;
     parameters.contact_softness = SpringCoefficients::new(contact.frequency_hz, 1.0);

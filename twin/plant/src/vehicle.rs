@@ -10,6 +10,7 @@ use super::arena::Arena;
 use super::convert::{from_vector, rotation_matrix, to_vector};
 use super::estimator::{Estimator, stack};
 use super::gripper::Gripper;
+use super::leapfrog::Leapfrog;
 use super::rotors::{Delay, Rotors};
 use super::sensors::{KinematicState, Sensors};
 use super::setup::{BuiltWorld, Start, rig};
@@ -38,11 +39,39 @@ pub(super) struct Failures {
     pub(super) healthy_friction: Vec<(ColliderHandle, f64)>,
 }
 
+/// What acts on the vehicle from one step to the next: actuators and pushes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Inputs {
+    /// Thrust of all rotors along the body's z, N.
+    collective_n: f64,
+    /// Their moment in the body, N m.
+    moment: Vector3<f64>,
+    /// Force of a push in the world, N.
+    push: Vector3<f64>,
+    /// Torques of the arm's joints, N m.
+    torque: Vector2<f64>,
+}
+
+impl Inputs {
+    /// `share` of `before` and the rest of `self`.
+    fn after(&self, before: &Self, share: f64) -> Self {
+        let rest = 1.0 - share;
+        Self {
+            collective_n: before.collective_n * share + self.collective_n * rest,
+            moment: before.moment * share + self.moment * rest,
+            push: before.push * share + self.push * rest,
+            torque: before.torque * share + self.torque * rest,
+        }
+    }
+}
+
 /// The vehicle, its arena, its sensors.
 pub struct SimulatedVehicle {
     pub(super) world: PhysicsWorld,
     pub(super) robot: Robot,
     pub(super) articulation: Articulation,
+    pub(super) leapfrog: Leapfrog,
+    inputs: Option<Inputs>,
     pub(super) arena: Arena,
     pub(super) gripper: Option<Gripper>,
     pub(super) settings: PlantSettings,
@@ -81,8 +110,9 @@ impl SimulatedVehicle {
         let vehicle = &settings.vehicle;
         vehicle.check_rotors()?;
         let mut rng = Pcg64::seed_from_u64(seed);
-        let BuiltWorld { world, articulation, arm, gripper, arena } =
+        let BuiltWorld { mut world, articulation, arm, gripper, arena } =
             rig(&robot, objects, &settings, start, &mut rng)?;
+        let leapfrog = Leapfrog::new(&mut world, &articulation);
         let arm_joints: Vec<usize> = arm.iter().map(|dof| articulation.dofs[*dof].joint).collect();
         let payload_kg = if start.grasped.is_some() { settings.payload.mass_kg } else { 0.0 };
         let hover_n =
@@ -119,9 +149,11 @@ impl SimulatedVehicle {
             step: 0,
             inner_steps: start.inner_steps.max(1),
             filter_tau,
+            inputs: None,
             world,
             robot,
             articulation,
+            leapfrog,
             arena,
             gripper,
             arm,
@@ -136,15 +168,16 @@ impl SimulatedVehicle {
         let root = self.articulation.link_pose(&self.world, self.robot.root);
         let rotation = *root.rotation.to_rotation_matrix().matrix();
         let body = self.world.bodies.get(self.articulation.bodies[0].handle);
-        let (com_velocity, omega_world) = body.map_or((Vector3::zeros(), Vector3::zeros()), |b| {
-            (from_vector(b.linvel()), from_vector(b.angvel()))
-        });
+        let velocities = self.leapfrog.velocities(&self.world, &self.articulation);
+        let com_velocity = velocities.root.fixed_rows::<3>(0).into_owned();
+        let omega_world = velocities.root.fixed_rows::<3>(3).into_owned();
         let com = body.map_or_else(Vector3::zeros, |b| from_vector(b.center_of_mass()));
         let position = root.translation.vector;
         let mut joint = Vector2::zeros();
         let mut joint_dot = Vector2::zeros();
         for (row, dof) in self.arm.iter().enumerate() {
-            (joint[row], joint_dot[row]) = self.articulation.joint_state(&self.world, *dof);
+            joint[row] = self.articulation.joint_state(&self.world, *dof).0;
+            joint_dot[row] = velocities.joints[*dof];
         }
         let payload =
             self.arena.payload.and_then(|handle| self.world.bodies.get(handle)).map(|b| {
@@ -173,9 +206,12 @@ impl SimulatedVehicle {
         self.rotors.step(self.command.rotor_thrust_n, STEP_S);
         let torque = self.joint_delay.step(self.command.joint_torque_n_m);
         self.articulation.clear_forces(&mut self.world);
-        // Rapier keeps a force constant in the world frame during a step, so it is computed at the attitude of mid-step.
-        let middle = nalgebra::Rotation3::new(state.omega * (0.5 * STEP_S));
+        // Rapier keeps a force constant in the world during a step, so the force acts along the axes of the vehicle in the middle of the
+        // interval of the velocities.
+        let lag = self.leapfrog.lag();
+        let middle = nalgebra::Rotation3::new(state.omega * ((0.5 - lag) * STEP_S));
         let rotation = state.rotation * middle.matrix();
+        let middle_in_world = rotation * state.rotation.transpose();
         let flow = Flow {
             rotation,
             position: state.position,
@@ -183,23 +219,32 @@ impl SimulatedVehicle {
             wind: self.wind_now,
         };
         let thrust_n = self.aero.thrust_near_surfaces(&self.rotors, &flow, &self.arena);
-        let (collective, moment) = self.rotors.wrench(&thrust_n);
+        let (collective_n, moment) = self.rotors.wrench(&thrust_n);
+        let now = Inputs { collective_n, moment, push: self.take_push(), torque };
+        let inputs = now.after(&self.inputs.replace(now).unwrap_or(now), lag);
         let (drag, unsteady) =
             self.aero.step(&flow, &self.rotors, &thrust_n, STEP_S, &mut self.rng);
-        let force = rotation * Vector3::new(0.0, 0.0, collective) + drag + self.take_push();
-        let moment = rotation * (moment + unsteady);
+        let force = rotation * Vector3::new(0.0, 0.0, inputs.collective_n) + drag + inputs.push;
+        let moment = rotation * (inputs.moment + unsteady);
         if let Some(root) = self.world.bodies.get_mut(self.articulation.bodies[0].handle) {
-            root.add_force_at_point(to_vector(&force), to_vector(&state.position), true);
+            let com = root.center_of_mass();
+            let lever = middle_in_world * (state.position - from_vector(com));
+            root.add_force_at_point(to_vector(&force), com + to_vector(&lever), true);
             root.add_torque(to_vector(&moment), true);
         }
         for (row, dof) in self.arm.iter().enumerate() {
-            self.articulation.apply_joint_effort(&mut self.world, *dof, torque[row]);
+            self.articulation.apply_joint_effort(&mut self.world, *dof, inputs.torque[row]);
         }
         self.apply_wake(&flow);
         if let Some(gripper) = &mut self.gripper {
             gripper.drive(&mut self.world, &self.articulation, setpoint.gripper);
         }
-        self.world.step();
+        self.leapfrog.step(&mut self.world, &self.articulation);
+        if self.step == 0 {
+            let touching = self.arena.vehicle_touches(&self.world);
+            let substeps = self.settings.contact.iterations;
+            self.leapfrog.start(&mut self.world, &self.articulation, substeps, touching);
+        }
         self.step += 1;
     }
 

@@ -235,8 +235,8 @@ pub(super) static ALL: &[Quantity] = &[
         "contact_iterations",
         "",
         [1.0, 64.0],
-        "iterations of the contact solver",
-        &["contact.iterations"],
+        "substeps of a step, or sweeps over the constraints in a substep",
+        &["contact.iterations", "contact.sweeps"],
     ),
     Quantity::new(
         "contact_frequency",
