@@ -146,13 +146,29 @@ pub(super) struct RigSettings {
     pub locked_arm: bool,
 }
 
+/// `robot` with a base that does not move.
+pub(super) fn anchored(mut robot: Robot) -> Robot {
+    let base = &mut robot.links[robot.root].inertial;
+    base.mass_kg = ANCHOR;
+    base.inertia_in_link = Matrix3::from_diagonal_element(ANCHOR);
+    robot
+}
+
+/// The command whose rotors carry `weight_n`, with the arm's joints free.
+pub(super) fn carrying(weight_n: f64, rotors: usize) -> ActuatorCommand {
+    let mut rotor_thrust_n = [0.0; MAX_ROTORS];
+    rotor_thrust_n[..rotors].fill(weight_n / rotors as f64);
+    ActuatorCommand { rotor_thrust_n, joint_torque_n_m: Vector2::zeros(), saturated: false }
+}
+
 impl Rig {
     pub(super) fn new(wanted: &RigSettings) -> Self {
-        let mut settings = quiet_settings();
-        let mut robot = aerial_manipulator();
-        let root = robot.root;
-        robot.links[root].inertial.mass_kg = ANCHOR;
-        robot.links[root].inertial.inertia_in_link = Matrix3::from_diagonal_element(ANCHOR);
+        Self::with(wanted, quiet_settings())
+    }
+
+    /// The rig with settings of its own.
+    pub(super) fn with(wanted: &RigSettings, mut settings: PlantSettings) -> Self {
+        let mut robot = anchored(aerial_manipulator());
         if wanted.locked_arm {
             for (name, angle) in ["joint1", "joint2"].iter().zip(HAND_DOWN_RAD) {
                 let index = robot.joint(name).expect("an arm joint");
@@ -176,15 +192,8 @@ impl Rig {
         let cube = tool * nalgebra::Point3::new(0.0, wanted.cube_off_centre_m, 0.0);
         let grasped = (wanted.cube_kg > 0.0).then_some(cube.coords);
         let start = Start { position, joints: Vector2::zeros(), grasped, inner_steps: 1 };
-        let rotors = settings.vehicle.rotors.len();
-        let mut rotor_thrust_n = [0.0; MAX_ROTORS];
         let weight_n = (robot.total_mass_kg() + wanted.cube_kg) * GRAVITY_M_S2;
-        rotor_thrust_n[..rotors].fill(weight_n / rotors as f64);
-        let command = ActuatorCommand {
-            rotor_thrust_n,
-            joint_torque_n_m: Vector2::zeros(),
-            saturated: false,
-        };
+        let command = carrying(weight_n, settings.vehicle.rotors.len());
         let vehicle =
             SimulatedVehicle::new(robot, &[], settings, &start, 1).expect("the rig is built");
         Self { vehicle, setpoint: any_setpoint(), inner: Constant(command) }

@@ -20,12 +20,16 @@ const JOINT_TOLERANCE_DEG: f64 = 0.002;
 /// Range of the largest tilt. Without tilt, the flight would not test gyroscopic terms and the attitude in the middle of a step.
 const TILT_DEG: std::ops::Range<f64> = 40.0..70.0;
 
+/// Start in the world, so high that a tumbling vehicle meets nothing, and angles of the arm.
+const START_M: [f64; 3] = [0.0, 0.0, 2000.0];
+const START_RAD: [f64; 2] = [0.4, 0.8];
+
 /// Plant step, s, and number of the oracle's steps in it.
 const STEP_S: f64 = 1e-3;
 const SUBSTEPS: u32 = 10;
 
 /// Rotor thrusts and joint torques of step `k`.
-fn command(k: u32) -> ActuatorCommand {
+pub(super) fn command(k: u32) -> ActuatorCommand {
     let t = f64::from(k) * STEP_S;
     let wave = |hz: f64, phase: f64| sin(std::f64::consts::TAU * hz * t + phase);
     let mut rotor_thrust_n = [0.0; MAX_ROTORS];
@@ -38,17 +42,17 @@ fn command(k: u32) -> ActuatorCommand {
 }
 
 /// Inner controllers that count their calls, one for each step, and command by the count.
-struct OpenLoop(u32);
+pub(super) struct OpenLoop<'a>(pub u32, pub &'a dyn Fn(u32) -> ActuatorCommand);
 
-impl InnerLoop for OpenLoop {
+impl InnerLoop for OpenLoop<'_> {
     fn command(&mut self, _setpoint: &Setpoint, _state: &InnerState) -> ActuatorCommand {
         self.0 += 1;
-        command(self.0 - 1)
+        (self.1)(self.0 - 1)
     }
 }
 
 /// `robot` with its fingers fixed and its joints without dry friction.
-fn simplified(mut robot: Robot) -> Robot {
+pub(super) fn simplified(mut robot: Robot) -> Robot {
     for joint in &mut robot.joints {
         joint.friction = 0.0;
         if joint.kind == JointKind::Prismatic {
@@ -60,7 +64,7 @@ fn simplified(mut robot: Robot) -> Robot {
 }
 
 /// Actuators that follow their commands at once.
-fn settings(robot: &Robot) -> PlantSettings {
+pub(super) fn settings(robot: &Robot) -> PlantSettings {
     let mut settings = quiet_settings();
     settings.vehicle.gripper.joint.clear();
     let moves = |name: &String| {
@@ -97,10 +101,12 @@ fn wrench(settings: &PlantSettings, command: &ActuatorCommand) -> Effort {
 
 /// Largest errors of distance (m), attitude (deg) and joints (deg) so far.
 #[derive(Default)]
-struct Errors {
-    position_m: f64,
-    attitude_deg: f64,
-    joint_deg: f64,
+pub(super) struct Errors {
+    pub(super) position_m: f64,
+    pub(super) attitude_deg: f64,
+    pub(super) joint_deg: f64,
+    /// Origin of the root link in the oracle at the end, m.
+    pub(super) position: Vector3<f64>,
 }
 
 impl Errors {
@@ -115,30 +121,41 @@ impl Errors {
             .zip(chi.iter().skip(6))
             .map(|(q, found)| (q - found).abs())
             .fold(0.0, f64::max);
+        self.position = position;
         self.position_m = self.position_m.max((position - chi.fixed_rows::<3>(0)).norm());
         self.attitude_deg = self.attitude_deg.max(attitude.angle_to(&state.rotation).to_degrees());
         self.joint_deg = self.joint_deg.max(joints.to_degrees());
     }
 }
 
+/// The vehicle at the start.
+pub(super) fn built(robot: &Robot, settings: &PlantSettings) -> SimulatedVehicle {
+    let (position, joints) = (START_M.into(), START_RAD.into());
+    let start = Start { position, joints, grasped: None, inner_steps: 1 };
+    SimulatedVehicle::new(robot.clone(), &[], settings.clone(), &start, 1)
+        .expect("the vehicle is built")
+}
+
 /// Flies for `ticks` of 10 ms; returns the errors and the largest tilt, deg.
-fn fly(robot: &Robot, ticks: u32, settings: &PlantSettings) -> (Errors, f64) {
+pub(super) fn fly(
+    robot: &Robot,
+    ticks: u32,
+    settings: &PlantSettings,
+    command: &dyn Fn(u32) -> ActuatorCommand,
+) -> (Errors, f64) {
     let mut oracle = Oracle::new(robot);
     oracle.armature.fill(settings.vehicle.joint_armature_kg_m2);
     let damping = oracle.moving.iter().map(|&joint| robot.joints[joint].damping);
     oracle.damping = DVector::from_iterator(oracle.moving.len(), damping);
-    let joints = Vector2::new(0.4, 0.8);
-    let position = Vector3::new(0.0, 0.0, 2000.0);
-    let start = Start { position, joints, grasped: None, inner_steps: 1 };
-    let mut vehicle = SimulatedVehicle::new(robot.clone(), &[], settings.clone(), &start, 1)
-        .expect("the vehicle is built");
+    let mut vehicle = built(robot, settings);
+    let joints = Vector2::from(START_RAD);
     let mut state = State {
-        com: start.position + oracle.com_in_root,
+        com: Vector3::from(START_M) + oracle.com_in_root,
         rotation: UnitQuaternion::identity(),
         joints: DVector::from_column_slice(&joints.as_slice()[..oracle.moving.len()]),
         velocity: DVector::zeros(oracle.dofs()),
     };
-    let (setpoint, mut inner) = (any_setpoint(), OpenLoop(0));
+    let (setpoint, mut inner) = (any_setpoint(), OpenLoop(0, command));
     let (mut errors, mut tilt_deg) = (Errors::default(), 0.0_f64);
     for tick in 0..ticks {
         vehicle.advance(&setpoint, &mut inner);
@@ -155,8 +172,8 @@ fn fly(robot: &Robot, ticks: u32, settings: &PlantSettings) -> (Errors, f64) {
 }
 
 fn check(robot: &Robot, ticks: u32) {
-    let (Errors { position_m, attitude_deg, joint_deg }, tilt_deg) =
-        fly(robot, ticks, &settings(robot));
+    let (Errors { position_m, attitude_deg, joint_deg, .. }, tilt_deg) =
+        fly(robot, ticks, &settings(robot), &command);
     let found = format!(
         "{:.3} mm, {attitude_deg:.4}°, {joint_deg:.4}° at {tilt_deg:.0}°",
         position_m * 1e3
