@@ -35,7 +35,7 @@ use twin_plant::model::Robot;
 use twin_plant::{PlantSettings, SimulatedVehicle, Start};
 
 /// Substeps of a step and sweeps of a substep.
-const CHOICES: [[usize; 2]; 6] = [[1, 1], [1, 8], [2, 2], [4, 1], [4, 8], [16, 8]];
+const CHOICES: [[usize; 2]; 7] = [[1, 1], [1, 8], [1, 16], [1, 32], [2, 2], [4, 1], [4, 8]];
 
 /// Turns of each case and choice.
 const TURNS: usize = 7;

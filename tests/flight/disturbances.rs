@@ -70,6 +70,15 @@ fn the_ground_carries_a_part_of_the_weight() {
 }
 
 #[test]
+fn a_radius_of_zero_has_no_ground_effect_even_below_the_ground() {
+    let below = ["aero.ground_effect_radius_m=0.0", "task.start_position_m=[0.0, 0.0, -100.0]"];
+    let (_, ticks) = flown(&scenario("hover", &[below[0], below[1], "task.duration_s=1.0"]));
+    let height = |tick: &Tick| tick.truth.as_ref().map_or(f64::NAN, |truth| truth.chi[2]);
+    // Far below the floor nothing touches the vehicle, and its thrust carries it as in any hover.
+    assert!(ticks.iter().all(|tick| (height(tick) + 100.0).abs() < 0.5), "{:?}", ticks.last());
+}
+
+#[test]
 fn a_push_moves_the_vehicle_its_way_and_it_comes_back() {
     let ticks = hover(&with_change(12.0, "kind='push', force_n=[0.0, 6.0, 0.0], duration_s=0.5"));
     let y = |tick: &Tick| tick.truth.as_ref().map_or(0.0, |truth| truth.chi[1]);

@@ -81,10 +81,11 @@ impl Aero {
         arena: &Arena,
     ) -> PerRotor {
         let mut thrust_n = rotors.thrust_n;
-        if self.settings.ground_effect {
+        let radius = self.settings.ground_effect_radius_m;
+        // A rotor without a radius has no ground effect, also below the ground, where the ratio of radius and height is unknown.
+        if self.settings.ground_effect && radius > 0.0 {
             for (place, n) in rotors.places.iter().zip(&mut thrust_n) {
                 let hub = flow.position + flow.rotation * Vector3::from(place.position_m);
-                let radius = self.settings.ground_effect_radius_m;
                 let height = (hub.z - arena.height_below(&hub)).max(0.5 * radius);
                 *n /= 1.0 - squared(radius / (4.0 * height));
             }
