@@ -98,12 +98,19 @@ fn open_loop(
     (robot, settings, Box::new(move |_| carried))
 }
 
+/// Advances the vehicle by `ticks`.
+fn run(vehicle: &mut SimulatedVehicle, command: &dyn Fn(u32) -> ActuatorCommand, ticks: usize) {
+    let (setpoint, mut inner) = (any_setpoint(), OpenLoop(0, command));
+    for _ in 0..ticks {
+        vehicle.advance(&setpoint, &mut inner);
+    }
+}
+
 fn time_open_loop(choice: [usize; 2], free: bool) -> f64 {
     let (robot, settings, command) = open_loop(choice, free);
-    let (mut vehicle, setpoint) = (built(&robot, &settings), any_setpoint());
-    let mut inner = OpenLoop(0, &command);
+    let mut vehicle = built(&robot, &settings);
     let started = Instant::now();
-    (0..TICKS).for_each(|_| drop(vehicle.advance(&setpoint, &mut inner)));
+    run(&mut vehicle, &command, TICKS);
     started.elapsed().as_secs_f64()
 }
 
@@ -141,19 +148,15 @@ fn above_floor(choice: [usize; 2]) -> (SimulatedVehicle, ActuatorCommand) {
 
 fn time_table(choice: [usize; 2]) -> f64 {
     let (mut vehicle, carried) = above_floor(choice);
-    let constant = move |_| carried;
-    let (setpoint, mut inner) = (any_setpoint(), OpenLoop(0, &constant));
     let started = Instant::now();
-    (0..TICKS).for_each(|_| drop(vehicle.advance(&setpoint, &mut inner)));
+    run(&mut vehicle, &|_| carried, TICKS);
     started.elapsed().as_secs_f64()
 }
 
 fn errors_table(choice: [usize; 2]) -> [f64; 2] {
     ERROR_TICKS.map(|ticks| {
         let (mut vehicle, carried) = above_floor(choice);
-        let constant = move |_| carried;
-        let (setpoint, mut inner) = (any_setpoint(), OpenLoop(0, &constant));
-        (0..ticks).for_each(|_| drop(vehicle.advance(&setpoint, &mut inner)));
+        run(&mut vehicle, &|_| carried, ticks as usize);
         let rest = Vector3::new(1.0, 0.0, HALF_M);
         (vehicle.truth().unwrap().payload_position - rest).norm() * 1e3
     })
@@ -168,7 +171,7 @@ fn gripping(choice: [usize; 2]) -> Rig {
 fn time_held(choice: [usize; 2]) -> f64 {
     let mut rig = gripping(choice);
     let started = Instant::now();
-    drop(rig.run(TICKS, GripperCommand::Close));
+    rig.run(TICKS, GripperCommand::Close);
     started.elapsed().as_secs_f64()
 }
 

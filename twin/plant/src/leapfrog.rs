@@ -112,22 +112,19 @@ impl Leapfrog {
 
     /// The velocities that Rapier stores.
     fn stored(&self, world: &PhysicsWorld, articulation: &Articulation) -> Velocities {
-        match articulation.multibody(world) {
-            Some(multibody) => {
-                let all = multibody.generalized_velocity();
-                Velocities {
-                    root: all.fixed_rows::<6>(0).into_owned(),
-                    joints: self.joints.iter().map(|joint| all[joint.column]).collect(),
-                }
+        if let Some(multibody) = articulation.multibody(world) {
+            let all = multibody.generalized_velocity();
+            Velocities {
+                root: all.fixed_rows::<6>(0).into_owned(),
+                joints: self.joints.iter().map(|joint| all[joint.column]).collect(),
             }
-            None => {
-                let body = world.bodies.get(articulation.bodies[0].handle);
-                let root = body.map_or_else(Vector6::zeros, |body| {
-                    let (v, omega) = (from_vector(body.linvel()), from_vector(body.angvel()));
-                    Vector6::new(v.x, v.y, v.z, omega.x, omega.y, omega.z)
-                });
-                Velocities { root, joints: Vec::new() }
-            }
+        } else {
+            let body = world.bodies.get(articulation.bodies[0].handle);
+            let root = body.map_or_else(Vector6::zeros, |body| {
+                let (v, omega) = (from_vector(body.linvel()), from_vector(body.angvel()));
+                Vector6::new(v.x, v.y, v.z, omega.x, omega.y, omega.z)
+            });
+            Velocities { root, joints: Vec::new() }
         }
     }
 
