@@ -1,6 +1,6 @@
 //! Real-time factor of the closed loop on one core, and the shares of the stages in the time of a tick.
 //!
-//! `cargo bench --bench closed_loop`. The plant sets the least time of a tick: ten steps of 1 ms with four substeps each.
+//! `cargo bench --bench closed_loop`. The plant sets the least time of a tick: ten steps of 1 ms.
 #![allow(
     missing_docs,
     clippy::unwrap_used,

@@ -101,7 +101,9 @@ fn without_a_prediction_it_does_not_come_back() {
         ("hover", &["predictor.kind=none", "gains.preset=literal"]),
     ] {
         let (report, _) = flown(&scenario(name, overrides));
-        let lost = matches!(report.verdict, Verdict::Crashed | Verdict::FlewAway);
+        // Whether it hits the floor, leaves the arena or lies down is chance.
+        let lost =
+            matches!(report.verdict, Verdict::Crashed | Verdict::FlewAway | Verdict::Grounded);
         assert!(lost && !report.passed, "{name}: {:?}: {}", report.verdict, report.reason);
     }
 }

@@ -6,3 +6,4 @@ mod joints;
 mod oracle;
 mod rig;
 mod trajectory;
+mod energy;
