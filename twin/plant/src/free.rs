@@ -105,21 +105,19 @@ impl FreeBody {
                     body.add_torque(to_vector(&(rotation * in_body[1])), true);
                 }
             }
+            let before = [body.linvel(), body.angvel()];
             self.world.step();
-            self.centre(&motion);
+            self.centre(before);
         }
     }
 
-    /// Ends a step that began with `before`. Rapier moves a body by its velocity at the end of the step; this function takes the velocity
-    /// of the middle, so the method is second order.
-    fn centre(&mut self, before: &Motion) {
+    /// Ends a step that began with the velocity and the angular velocity `before`. Rapier moves a body by its velocities at the end of the
+    /// step; this function takes those of the middle, so the method is second order.
+    fn centre(&mut self, before: [Vector; 2]) {
         let Some(body) = self.world.bodies.get_mut(self.handle) else { return };
-        let omega_before = before.rotation * before.body_rate;
-        let com_before =
-            before.velocity + omega_before.cross(&(before.rotation * self.com_in_root));
-        let half = -0.5 * STEP_S;
-        let shift = (from_vector(body.linvel()) - com_before) * half;
-        let turn = Rotation3::new((from_vector(body.angvel()) - omega_before) * half);
+        let change = |after: Vector, before: Vector| from_vector(after - before) * (-0.5 * STEP_S);
+        let shift = change(body.linvel(), before[0]);
+        let turn = Rotation3::new(change(body.angvel(), before[1]));
         let mut pose = from_pose(body.position());
         let com = pose * Point3::from(self.com_in_root);
         pose.append_rotation_wrt_point_mut(&turn.into(), &com);
@@ -217,5 +215,6 @@ mod tests {
         tumbling.tick(&lift);
         // A body that keeps its attitude does not turn, whatever its initial rate was.
         assert!(tumbling.motion().body_rate.norm() < 1e-12);
+        assert!((tumbling.motion().rotation - motion.rotation).norm() < 1e-12);
     }
 }
