@@ -8,6 +8,7 @@ mod flight;
 mod gains;
 mod slip;
 mod world;
+mod parts;
 
 pub use change::{
     PAYLOAD_MASS, PUSH_DURATION, PUSH_FORCE, SEED, SEEK_TIME, SPEED, STEP_TICKS, WIND,
@@ -142,7 +143,7 @@ pub fn whole(value: i128) -> f64 {
 /// Every quantity.
 pub fn all() -> impl Iterator<Item = &'static Quantity> {
     let named = change::ALL.iter().chain(&gains::ALL).copied();
-    named.chain(world::ALL).chain(flight::ALL)
+    named.chain(world::ALL).chain(parts::ALL).chain(flight::ALL)
 }
 
 /// The range of the number at a key of a scenario.
