@@ -7,6 +7,7 @@ use rand::SeedableRng;
 use rand::distr::Distribution;
 use rand_pcg::Pcg64;
 
+use super::command_link::lateness;
 use super::settings::SensorSettings;
 use twin_core::elementary::{sin_cos, squared};
 use twin_core::normal::StandardNormal;
@@ -32,7 +33,7 @@ pub(super) struct Mocap {
     pub(super) position: Vector3<f64>,
     pub(super) rotation: Matrix3<f64>,
     pub(super) payload: Option<PayloadReading>,
-    /// Its age when it arrives, in steps of 1 ms.
+    /// Its age when it arrives, as the estimator believes, in steps of 1 ms.
     pub(super) age_steps: usize,
 }
 
@@ -65,7 +66,7 @@ pub(super) struct SensorFailures {
 pub(super) struct Sensors {
     /// Failures that are in force.
     pub(super) failures: SensorFailures,
-    settings: SensorSettings,
+    pub(super) settings: SensorSettings,
     rng: Pcg64,
     accelerometer_bias: Vector3<f64>,
     gyro_bias: Vector3<f64>,
@@ -142,7 +143,8 @@ impl Sensors {
         sum * 0.5
     }
 
-    /// The motion-capture sample that arrives in this step, if one does. The caller calls this once a step.
+    /// The motion-capture sample that arrives in this step, if one does. The caller calls this once a step. The estimator believes that a
+    /// sample has the smallest latency; a sample that overtakes older ones makes them worthless.
     pub(super) fn mocap(&mut self, state: &KinematicState) -> Option<Mocap> {
         let s = self.settings;
         self.step += 1;
@@ -151,8 +153,13 @@ impl Sensors {
             self.mocap_phase -= 1.0;
             let age_steps = (s.mocap_latency_s / self.dt_s).round() as usize;
             let sample = self.sample_mocap(state, age_steps);
-            if !self.failures.mocap_lost {
-                self.under_way.push_back((self.step + age_steps as u64, sample));
+            let late = lateness(&s.mocap_link, self.dt_s, &mut self.rng);
+            if let (Some(late), false) = (late, self.failures.mocap_lost) {
+                let due = self.step + age_steps as u64 + late;
+                while self.under_way.back().is_some_and(|(older, _)| *older >= due) {
+                    self.under_way.pop_back();
+                }
+                self.under_way.push_back((due, sample));
             }
         }
         match self.under_way.front() {
