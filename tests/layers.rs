@@ -14,7 +14,7 @@ const CRATES: &[(&str, &[&str])] = &[
     ("foreign", &["core", "input", "plant", "record"]),
     ("scenario", &["core", "input", "plant", "record"]),
     ("console", &["core", "foreign", "input", "plant", "record", "scenario"]),
-    ("lab", &["core", "foreign", "input", "record", "scenario"]),
+    ("lab", &["core", "foreign", "input", "plant", "record", "scenario"]),
 ];
 
 /// For each module of `core` the other modules of `core` that it may use.
@@ -23,7 +23,8 @@ const MODULES_OF_CORE: &[(&str, &[&str])] = &[
     ("normal", &["elementary"]),
     ("notation", &["elementary"]),
     ("quantity", &["notation"]),
-    ("tick", &["notation"]),
+    ("force_budget", &[]),
+    ("tick", &["force_budget", "notation"]),
     ("source", &["notation", "quantity", "tick"]),
     ("filter", &["elementary"]),
     // The registry of the values in force names the types that hold them.

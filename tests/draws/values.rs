@@ -47,7 +47,7 @@ fn free_words(key: &str) -> &'static [&'static str] {
         "vehicle.gripper.palm_link" => &["palm", "palm", "palm", "tool", ""],
         "predictor.kernel" => &["auto", "scalar", "scalar", "scalar", "scalar", "abacus"],
         "predictor.weights" => &["default", "default", "default", "default", "missing.safetensors"],
-        "disturbances.name" => &["rotor_drag", "body_drag", "ground_effect", "downwash", "wind"],
+        "disturbances.name" => &twin_core::source::EFFECTS,
         "arena.objects.name" => &["box", "table", "", "a b"],
         "arena.objects.urdf" => &[
             concat!(env!("CARGO_MANIFEST_DIR"), "/urdf/box.urdf"),

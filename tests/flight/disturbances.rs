@@ -1,6 +1,6 @@
 //! Changes of the world have the effect that physics predicts.
 
-use twin_core::elementary::squared;
+use twin_core::elementary::{powf, squared};
 use twin_core::tick::{EventKind, Tick};
 
 use super::flown::{flown, mean, scenario};
@@ -11,9 +11,15 @@ const GRAM_N: f64 = 9.81e-3;
 /// Error of the mean lift that two seconds of sensor noise leave, N.
 const FORCE_TOLERANCE_N: f64 = 0.1;
 
-/// Vertical force of the rotors in the world, N.
+/// Thrust of all rotors, N.
 fn lift_n(tick: &Tick) -> f64 {
     tick.truth.as_ref().map_or(0.0, |truth| truth.rotor_thrust_n.iter().sum())
+}
+
+/// Thrust that the rotors would give at their speed far from the ground, N.
+fn spun_n(tick: &Tick) -> f64 {
+    let budget = tick.truth.as_ref().and_then(|truth| truth.budget);
+    budget.map_or(0.0, |budget| (budget.thrust + budget.inflow).norm())
 }
 
 /// Overrides of a hover in calm air that lasts `duration_s`, with one change at 4 s.
@@ -63,9 +69,12 @@ fn the_ground_carries_a_part_of_the_weight() {
     let mut overrides = with_change(9.0, "kind='effect', name='ground_effect', on=false");
     overrides.push("task.start_position_m=[0.0, 0.0, 0.5]".to_owned());
     let ticks = hover(&overrides);
-    let share = mean(&ticks, 2.0, 4.0, lift_n) / mean(&ticks, 7.0, 9.0, lift_n);
-    // Cheeseman and Bennett at h = 0.5 m with R = 0.30 m: 1 - (R / 4h)² = 0.9775 of the thrust is enough.
-    let wanted = 1.0 - squared(0.30_f64 / (4.0 * 0.5));
+    let share = mean(&ticks, 2.0, 4.0, spun_n) / mean(&ticks, 7.0, 9.0, spun_n);
+    // Sanchez-Cuevas (2017), equation 11, at z = 0.5 m with R = 0.178 m, d = 0.46 m and K_b = 2.
+    let (r, z, square) = (0.178_f64, 0.5_f64, squared(0.46_f64));
+    let term = |square: f64| z / powf(square + 4.0 * z * z, 1.5);
+    let images = squared(r / (4.0 * z)) + r * r * (term(square) + 0.5 * term(2.0 * square));
+    let wanted = 1.0 - images - 4.0 * r * r * term(2.0 * square);
     assert!((share - wanted).abs() < 0.005, "{share:.4} of the thrust, theory says {wanted:.4}");
 }
 

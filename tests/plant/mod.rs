@@ -7,3 +7,4 @@ mod oracle;
 mod rig;
 mod trajectory;
 mod energy;
+mod budget;

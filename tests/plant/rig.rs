@@ -93,8 +93,22 @@ pub(super) fn quiet_settings() -> PlantSettings {
 
 /// Overrides that switch air, noise and scatter off.
 pub(super) fn quiet() -> Vec<String> {
-    let off = ["rotor_drag", "body_drag", "ground_effect", "downwash"]
-        .map(|key| format!("aero.{key}=false"));
+    let off = [
+        "aero.inflow",
+        "aero.flapping",
+        "aero.rotor_drag",
+        "aero.body_drag",
+        "aero.ground_effect",
+        "aero.recirculation",
+        "aero.downwash",
+        "aero.unsteady",
+        "vehicle.mismatch.on",
+        "vehicle.battery.on",
+        "vehicle.servo.on",
+        "vehicle.link.on",
+        "sensors.mocap_link.on",
+    ]
+    .map(|key| format!("{key}=false"));
     let zero = [
         "aero.turbulence_n",
         "aero.turbulence_n_m",

@@ -74,6 +74,7 @@ pub(super) fn settings(robot: &Robot) -> PlantSettings {
     settings.vehicle.joint_delay_s = 0.0;
     settings.vehicle.rotor.delay_s = 0.0;
     settings.vehicle.rotor.lag_s = 1e-9;
+    settings.vehicle.rotor.fall_lag_s = 1e-9;
     settings.vehicle.rotor.thrust_scale = 1.0;
     settings.payload.mass_kg = 0.0;
     settings

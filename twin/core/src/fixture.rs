@@ -36,6 +36,7 @@ fn truth(index: u64) -> Truth {
         collision_force_n: 0.0,
         wind_in_world: Vector3::zeros(),
         rotor_thrust_n: [7.25, 7.5, 7.75, 8.0, 0.0, 0.0, 0.0, 0.0],
+        budget: None,
         contacts: vec![Contact {
             point_in_world: [1.0, 2.0, 3.0],
             force_in_world_n: [0.0, 0.0, number(index, 9)],

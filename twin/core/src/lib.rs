@@ -8,6 +8,7 @@ pub mod elementary;
 pub mod normal;
 pub mod notation;
 pub mod quantity;
+pub mod force_budget;
 pub mod tick;
 pub mod source;
 pub mod filter;

@@ -96,8 +96,23 @@ pub trait Source {
     fn disturb(&mut self, disturbance: &Disturbance);
 }
 
-/// Names of the aerodynamic effects that [`Disturbance::Effect`] switches.
-pub const EFFECTS: [&str; 5] = ["rotor_drag", "body_drag", "ground_effect", "downwash", "wind"];
+/// Names of the effects that [`Disturbance::Effect`] switches: air, then vehicle, then links.
+pub const EFFECTS: [&str; 14] = [
+    "inflow",
+    "flapping",
+    "rotor_drag",
+    "body_drag",
+    "ground_effect",
+    "recirculation",
+    "downwash",
+    "unsteady",
+    "wind",
+    "mismatch",
+    "battery",
+    "servo",
+    "link",
+    "mocap_link",
+];
 
 /// A change of the world between two ticks.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -122,7 +137,7 @@ pub enum Disturbance {
     },
     /// Removes the payload from the gripper at once (the drop of `reset_demo`).
     DropPayload,
-    /// Switches one aerodynamic effect on or off.
+    /// Switches one effect on or off.
     Effect {
         /// One of [`EFFECTS`].
         name: String,

@@ -8,6 +8,7 @@
 use nalgebra::{Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
+use crate::force_budget::ForceBudget;
 use crate::notation::{Coords, KnownCoords, KnownMask, PerRotor, known_in_both};
 
 /// Measurement of one control period: the input of every stage after the source.
@@ -115,6 +116,9 @@ pub struct Truth {
     pub rotor_thrust_n: PerRotor,
     /// Contact points with their forces.
     pub contacts: Vec<Contact>,
+    /// The forces that accelerated the vehicle in this tick; `None` in recordings that were made before this field existed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub budget: Option<ForceBudget>,
 }
 
 /// Desired motion at this tick.

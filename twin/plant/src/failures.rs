@@ -21,7 +21,7 @@ impl SimulatedVehicle {
             }
             Failure::EncoderDropout => sensors.encoders_dead = on,
             Failure::MotorEfficiency { rotor, factor } => {
-                if let Some(efficiency) = self.rotors.efficiency.get_mut(*rotor) {
+                if let Some(efficiency) = self.propulsion.rotors.efficiency.get_mut(*rotor) {
                     *efficiency = if on { *factor } else { 1.0 };
                 }
             }

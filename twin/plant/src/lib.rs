@@ -14,23 +14,36 @@ mod coriolis;
 mod leapfrog;
 mod arena;
 mod gripper;
+mod command_link;
+mod mismatch;
+mod battery;
 mod rotors;
-mod aero;
 mod wind;
+mod inflow;
+mod aero;
+mod ground;
+mod wake;
+mod propulsion;
+mod servo;
 mod sensors;
 mod estimator;
 mod setup;
+mod budget;
 pub mod vehicle;
 mod failures;
 mod truth;
 mod source;
 mod free;
+pub mod curves;
+#[cfg(test)]
+mod fixture;
 
 pub use articulation::Articulation;
 pub use free::{FreeBody, Motion, Wrench, locked};
 pub use settings::{
-    AeroSettings, ArenaObject, ArenaSettings, ContactSettings, GripperSettings, PayloadSettings,
-    PlantSettings, RotorSettings, SensorSettings, VehicleSettings, WindKind, WindSettings,
+    AeroSettings, ArenaObject, ArenaSettings, BatterySettings, ContactSettings, GripperSettings,
+    LinkSettings, MismatchSettings, PayloadSettings, PlantSettings, RotorSettings, SensorSettings,
+    ServoSettings, VehicleSettings, WindKind, WindSettings,
 };
 pub use setup::{Start, new_world};
 pub use vehicle::SimulatedVehicle;

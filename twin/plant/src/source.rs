@@ -9,6 +9,23 @@ use twin_core::notation::{Coords, TICK_S};
 use twin_core::source::{Disturbance, InnerLoop, InnerState, Source};
 use twin_core::tick::{GripperReading, Measurement, Setpoint, Truth};
 
+impl SimulatedVehicle {
+    /// Switches an effect of this name, if there is one.
+    fn switch(&mut self, name: &str, on: bool) {
+        let Some(switch) = self.settings.effect_mut(name) else { return };
+        *switch = on;
+        // Each part owns a copy of its settings.
+        self.aero.settings = self.settings.aero;
+        self.wind.settings.on = self.settings.wind.on;
+        self.servos.settings = self.settings.vehicle.servo;
+        self.sensors.settings = self.settings.sensors;
+        self.propulsion.battery.settings = self.settings.vehicle.battery;
+        self.propulsion.mismatch.switch(self.settings.vehicle.mismatch.on);
+        let ratios = self.propulsion.mismatch.ratios();
+        self.propulsion.rotors.differ(&ratios);
+    }
+}
+
 impl Source for SimulatedVehicle {
     fn advance(&mut self, setpoint: &Setpoint, inner: &mut dyn InnerLoop) -> Measurement {
         let mut saturated = false;
@@ -26,6 +43,7 @@ impl Source for SimulatedVehicle {
                 };
                 self.command = inner.command(setpoint, &view);
                 saturated |= self.command.saturated;
+                self.send_command();
             }
             self.step_world(&state, setpoint);
             state = self.state();
@@ -63,9 +81,7 @@ impl Source for SimulatedVehicle {
             // The friction of the cube becomes zero, so its weight pulls it out of the closed fingers.
             Disturbance::DropPayload => self.set_grip_friction(0.0),
             Disturbance::Failure { failure, on } => self.fail(failure, *on),
-            Disturbance::Effect { name, on } => {
-                self.aero.switch(name, *on);
-            }
+            Disturbance::Effect { name, on } => self.switch(name, *on),
         }
     }
 }

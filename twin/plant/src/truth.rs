@@ -49,9 +49,10 @@ pub(super) fn truth(vehicle: &SimulatedVehicle) -> Truth {
         payload_in_palm,
         grip_force_n: found.grip_force_n,
         collision_force_n: found.collision_force_n,
-        wind_in_world: vehicle.wind_now,
-        rotor_thrust_n: vehicle.rotors.thrust_n,
+        wind_in_world: vehicle.wind_now.at(&state.position),
+        rotor_thrust_n: vehicle.propulsion.thrust_n,
         contacts: found.points,
+        budget: vehicle.budget.last,
     }
 }
 

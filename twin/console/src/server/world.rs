@@ -22,7 +22,8 @@ impl World {
             settings.disturbances.iter().map(|d| (d.at_s, d.disturbance.clone())).collect();
         schedule.sort_by(|a, b| b.0.total_cmp(&a.0));
         let mass_kg = settings.payload.mass_kg;
-        let off = EFFECTS.into_iter().filter(|name| !is_on(settings, name));
+        let plant = settings.plant();
+        let off = EFFECTS.into_iter().filter(|name| plant.effect(name) == Some(false));
         Self {
             payload_kg: (mass_kg > 0.0).then_some(mass_kg),
             wind_m_s: settings.wind.velocity_m_s,
@@ -60,17 +61,5 @@ impl World {
         state.payload_kg = self.payload_kg;
         state.wind_m_s = self.wind_m_s;
         state.effects_off.clone_from(&self.effects_off);
-    }
-}
-
-/// Whether the effect is on at the start of the scenario; wind always is.
-fn is_on(settings: &Settings, effect: &str) -> bool {
-    let aero = &settings.aero;
-    match effect {
-        "rotor_drag" => aero.rotor_drag,
-        "body_drag" => aero.body_drag,
-        "ground_effect" => aero.ground_effect,
-        "downwash" => aero.downwash,
-        _ => true,
     }
 }
