@@ -6,6 +6,7 @@ mod tracking;
 mod ablation;
 mod pickup;
 mod l1;
+mod plant;
 
 use clap::{Args, Subcommand};
 
@@ -29,6 +30,8 @@ enum Table {
     Pickup(pickup::PickupArgs),
     /// Sweep of the parameters of the L1 controller: pole, and corners of its low-pass.
     L1(l1::L1Args),
+    /// The plant against published curves, effect by effect: rotors, ground, wakes, drag, turbulence, battery, servos.
+    Plant(plant::PlantArgs),
     /// Fly trained weights without the adapter, and write the scores of their forecasts into their file; exit code 0 if accepted.
     Acceptance(super::acceptance::AcceptanceArgs),
 }
@@ -42,6 +45,7 @@ impl EvaluateArgs {
             Table::Ablation(args) => args.output.json,
             Table::Pickup(args) => args.output.json,
             Table::L1(args) => args.output.json,
+            Table::Plant(args) => args.output.json,
             Table::Acceptance(args) => args.json,
         }
     }
@@ -54,6 +58,7 @@ pub(super) fn run(args: &EvaluateArgs) -> anyhow::Result<End> {
         Table::Ablation(args) => ablation::run(args),
         Table::Pickup(args) => pickup::run(args),
         Table::L1(args) => l1::run(args),
+        Table::Plant(args) => plant::run(args),
         Table::Acceptance(args) => super::acceptance::run(args),
     }
 }

@@ -140,6 +140,14 @@ impl Scenario {
         assemble::parts(self)
     }
 
+    /// The vehicle as its URDF describes it.
+    ///
+    /// # Errors
+    /// [`BuildError`] if a model file is not usable.
+    pub fn robot(&self) -> Result<twin_plant::model::Robot, BuildError> {
+        Ok(assemble::models(self)?.robot)
+    }
+
     /// The values of a preset in this scenario.
     pub fn preset_tuning(&self, preset: Preset) -> Tuning {
         assemble::preset_tuning(&self.settings, preset)

@@ -12,6 +12,7 @@ pub mod prediction;
 pub mod pictures;
 pub mod ablation;
 pub mod pickup;
+pub mod plant;
 pub mod mirrored;
 mod page;
 pub mod paths;
