@@ -15,6 +15,8 @@ const CHANNELS = [
   channel("residual.z", "measured r z", "residual", "N", "z"),
   channel("covariance_trace", "tr Σ", "adapter", ""),
   channel("rotor.0", "rotor 1", "actuators", "N"),
+  channel("force.payload.z", "payload z", "forces", "N", "z"),
+  channel("force.thrust.z", "thrust z", "forces", "N", "z"),
   channel("joint_torque.1", "joint 1 torque", "actuators", "N m"),
 ];
 
@@ -38,7 +40,7 @@ describe("matching", () => {
 describe("chartSpecs", () => {
   it("shows what the flight has and nothing else, the residual first", () => {
     const specs = chartSpecs("z", CHANNELS);
-    expect(specs.map(({ key }) => key)).toEqual(["residual", "covariance", "spectrum", "rotors", "joints"]);
+    expect(specs.map(({ key }) => key)).toEqual(["residual", "covariance", "spectrum", "forces", "rotors", "joints"]);
     expect(specs[0]?.series.map(({ channel }) => channel)).toEqual(["residual.z"]);
   });
 

@@ -47,7 +47,7 @@ export function symbolOf(row: string): string {
 /** The console's charts for one coordinate, the most important first. A mirrored recording has no charts of the controller. */
 export function chartSpecs(row: string, channels: ChannelInfo[], mirrored = false): ChartSpec[] {
   const known = new Set(channels.map(({ name }) => name));
-  return [...forecastSpecs(row), ...(mirrored ? mirrorSpecs(row) : controlSpecs(row)), ...adapterSpecs(), ...(mirrored ? [] : bodySpecs(channels))]
+  return [...forecastSpecs(row), ...(mirrored ? mirrorSpecs(row) : controlSpecs(row)), ...adapterSpecs(), ...(mirrored ? [] : [...forceSpecs(row), ...bodySpecs(channels)])]
     .map((spec) => ({ ...spec, series: spec.series.filter(({ channel }) => known.has(channel)) }))
     .filter(({ key, series }) => series.length > 0 || key === SPECTRUM);
 }
@@ -145,6 +145,15 @@ function adapterSpecs(): ChartSpec[] {
       ],
     },
   ];
+}
+
+/** Forces of the chart, one colour each. Thrust and weight are so large that no other force would be seen beside them; the picker has all. */
+const DRAWN_FORCES = ["payload", "arm", "inflow", "ground", "drag", "wind", "unsteady", "unexplained"];
+
+/** Chart of the forces on the vehicle along one axis of the world; rotations and joints have none. */
+function forceSpecs(row: string): ChartSpec[] {
+  const series = DRAWN_FORCES.map((force, k) => coloured(`force.${force}.${row}`, force, k));
+  return [{ key: "forces", title: `Forces ${symbolOf(row)}, without thrust and weight`, smallestSpan: 0.5, tall: true, series }];
 }
 
 /** Charts of the actuators and of the predictor's attention. */

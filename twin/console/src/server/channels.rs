@@ -1,5 +1,7 @@
 //! The channels of a telemetry row: the name of each number and its source in a [`Tick`].
 
+mod forces;
+
 use std::sync::Arc;
 
 use crate::server::mirrored::NOT_IN_FORCE;
@@ -43,6 +45,7 @@ impl Channels {
         channels.actuators(rotors.min(MAX_ROTORS), limits);
         channels.gripper();
         channels.world();
+        channels.forces();
         Self { infos: Arc::new(channels.infos), takes: channels.takes }
     }
 
@@ -283,7 +286,7 @@ mod tests {
         Tuning { gains: Gains::preset(Preset::Tuned), adapter: lra::Settings::default() }
     }
 
-    fn value(channels: &Channels, tick: &Tick, name: &str) -> f32 {
+    pub(super) fn value(channels: &Channels, tick: &Tick, name: &str) -> f32 {
         let index = channels.infos().iter().position(|info| info.name == name).expect(name);
         row(channels, tick)[index]
     }
@@ -292,7 +295,7 @@ mod tests {
         channels.row(&RowSource { tick, tuning: &tuning(), spectrum: &[9.0, 4.0, 1.0] })
     }
 
-    fn channels(rotors: usize) -> Channels {
+    pub(super) fn channels(rotors: usize) -> Channels {
         let limits =
             ActuatorLimits { rotor_thrust_n: [0.3, 15.0], joint_torque_n_m: [Some(3.0), None] };
         Channels::new(rotors, &limits, &predictor())
@@ -313,8 +316,8 @@ mod tests {
         assert_eq!(row(&channels, &fixture::tick(3)).len(), names.len());
         names.sort_unstable();
         names.dedup();
-        // 9 stems of 8 coordinates, 15 single channels, 3 of the spectrum, 2 of the attention, 3 of the wind, 4 rotors, 2 joints.
-        assert_eq!(names.len(), 9 * 8 + 15 + 3 + 2 + 3 + 4 + 2);
+        // 9 stems of 8 coordinates, 15 single channels, 3 of the spectrum, 2 of the attention, 3 of the wind, 4 rotors, 2 joints, 14 forces.
+        assert_eq!(names.len(), 9 * 8 + 15 + 3 + 2 + 3 + 4 + 2 + 3 * 14);
     }
 
     #[test]
