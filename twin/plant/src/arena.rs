@@ -94,7 +94,7 @@ impl Arena {
         let half = 0.5 * payload.size_m;
         let body = RigidBodyBuilder::dynamic()
             .pose(to_pose(pose))
-            .additional_mass_properties(cube_mass(payload.mass_kg, payload.size_m))
+            .additional_mass_properties(cube_mass(payload))
             .can_sleep(false);
         let cube =
             ColliderBuilder::cuboid(half, half, half).density(0.0).friction(payload.friction);
@@ -103,9 +103,9 @@ impl Arena {
     }
 
     /// Changes the mass of the cube between two steps.
-    pub(super) fn set_payload_mass(&self, world: &mut PhysicsWorld, mass_kg: f64, size_m: f64) {
+    pub(super) fn set_payload(&self, world: &mut PhysicsWorld, payload: &PayloadSettings) {
         if let Some(body) = self.payload.and_then(|handle| world.bodies.get_mut(handle)) {
-            body.set_additional_mass_properties(cube_mass(mass_kg, size_m), true);
+            body.set_additional_mass_properties(cube_mass(payload), true);
         }
     }
 
@@ -135,8 +135,9 @@ impl Arena {
     }
 }
 
-/// A homogeneous cube: `I = m a² / 6`.
-fn cube_mass(mass_kg: f64, size_m: f64) -> MassProperties {
-    let i = mass_kg * size_m * size_m / 6.0;
-    MassProperties::new(Vector::ZERO, mass_kg, to_vector(&Vector3::repeat(i)))
+/// The moments of inertia of a homogeneous cube, `I = m a² / 6`, about the centre of mass, wherever that is.
+fn cube_mass(payload: &PayloadSettings) -> MassProperties {
+    let i = payload.mass_kg * payload.size_m * payload.size_m / 6.0;
+    let com = to_vector(&Vector3::from(payload.centre_of_mass_m));
+    MassProperties::new(com, payload.mass_kg, to_vector(&Vector3::repeat(i)))
 }

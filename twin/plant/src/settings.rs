@@ -61,6 +61,8 @@ pub struct PayloadSettings {
     pub mass_kg: f64,
     /// Edge, m.
     pub size_m: f64,
+    /// Centre of mass in the frame of the cube, whose origin is its middle, m.
+    pub centre_of_mass_m: [f64; 3],
     /// Friction coefficient.
     pub friction: f64,
     /// Centre at the start, m; ignored when it starts in the gripper.

@@ -72,7 +72,7 @@ impl Source for SimulatedVehicle {
         match disturbance {
             Disturbance::PayloadMass { kg } => {
                 self.settings.payload.mass_kg = *kg;
-                self.arena.set_payload_mass(&mut self.world, *kg, self.settings.payload.size_m);
+                self.arena.set_payload(&mut self.world, &self.settings.payload);
             }
             Disturbance::Wind { velocity_m_s } => self.wind.settings.velocity_m_s = *velocity_m_s,
             Disturbance::Push { force_n, duration_s } => {

@@ -125,6 +125,13 @@ pub(super) static ALL: &[Quantity] = &[
         &["vehicle.link.loss", "sensors.mocap_link.loss"],
     ),
     Quantity::new(
+        "payload_centre",
+        "m",
+        [-0.06, 0.06],
+        "centre of mass of the payload in its own frame",
+        &["payload.centre_of_mass_m"],
+    ),
+    Quantity::new(
         "fountain",
         "",
         [0.0, 10.0],
