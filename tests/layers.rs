@@ -44,6 +44,7 @@ const ONLY_IN: &[(&str, &[&str])] = &[
     ("libm", &["core"]),
     ("burn-tensor", &["lab"]),
     ("safetensors", &["core", "lab"]),
+    ("rustfft", &["lab"]),
     ("mcap", &["record", "foreign"]),
     ("foxglove", &["record", "foreign", "console"]),
     ("tungstenite", &["foreign"]),
