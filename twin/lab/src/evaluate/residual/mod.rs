@@ -6,6 +6,11 @@ mod windows;
 mod ridge;
 pub mod foresight;
 pub mod measured;
+pub mod foreseen;
+mod conclusion;
+pub mod table;
+mod sheets;
 
 pub use measured::{Measured, Plan, measure};
+pub use table::ResidualTable;
 pub use variant::Variant;
