@@ -14,6 +14,7 @@ pub mod ablation;
 pub mod pickup;
 pub mod plant;
 pub mod mirrored;
+mod bars;
 pub mod residual;
 mod page;
 pub mod paths;
