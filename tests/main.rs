@@ -14,6 +14,7 @@ mod outputs;
 mod patience;
 mod plant;
 mod reading;
+mod residual;
 mod scenarios;
 mod server;
 mod untrusted;

@@ -156,6 +156,7 @@ fn an_existing_output_is_replaced_only_with_overwrite() {
     refused(&["mirror", &file, "--headless", "--plot", &page], &[&page, "--overwrite"]);
     refused(&["test", "scenarios/hover.toml", "--junit", &page], &[&page, "--overwrite"]);
     refused(&["evaluate", "l1", "--csv", &page], &[&page, "--overwrite"]);
+    refused(&["evaluate", "residual", "--html", &page], &[&page, "--overwrite"]);
     assert_eq!(folder.bytes("page"), b"mine");
     let done = twin(&["export", "viser", &file, "-o", &page, "--overwrite"]);
     assert_eq!(done.status.code(), Some(0), "{}", stderr(&done));

@@ -7,6 +7,7 @@ mod ablation;
 mod pickup;
 mod l1;
 mod plant;
+mod residual;
 
 use clap::{Args, Subcommand};
 
@@ -32,6 +33,8 @@ enum Table {
     L1(l1::L1Args),
     /// The plant against published curves, effect by effect: rotors, ground, wakes, drag, turbulence, battery, servos.
     Plant(plant::PlantArgs),
+    /// What the residual consists of, by band and by effect, and whether a long window foresees it better than a short one.
+    Residual(residual::ResidualArgs),
     /// Fly trained weights without the adapter, and write the scores of their forecasts into their file; exit code 0 if accepted.
     Acceptance(super::acceptance::AcceptanceArgs),
 }
@@ -46,6 +49,7 @@ impl EvaluateArgs {
             Table::Pickup(args) => args.output.json,
             Table::L1(args) => args.output.json,
             Table::Plant(args) => args.output.json,
+            Table::Residual(args) => args.output.json,
             Table::Acceptance(args) => args.json,
         }
     }
@@ -59,6 +63,7 @@ pub(super) fn run(args: &EvaluateArgs) -> anyhow::Result<End> {
         Table::Pickup(args) => pickup::run(args),
         Table::L1(args) => l1::run(args),
         Table::Plant(args) => plant::run(args),
+        Table::Residual(args) => residual::run(args),
         Table::Acceptance(args) => super::acceptance::run(args),
     }
 }
