@@ -23,6 +23,9 @@ pub(super) struct PlantArgs {
     /// Scenario whose vehicle and air are compared.
     #[arg(default_value = "scenarios/hover.toml")]
     scenario: PathBuf,
+    /// Thrust in still air of the speed at which a single rotor is examined, N [default: its part of the vehicle's weight].
+    #[arg(long)]
+    rotor_thrust: Option<f64>,
     #[command(flatten)]
     pub(super) output: Output,
     #[command(flatten)]
@@ -34,7 +37,7 @@ const HEAD: [&str; 6] = ["effect", "compared", "twin", "published", "allowed", "
 pub(super) fn run(args: &PlantArgs) -> anyhow::Result<End> {
     let places = args.output.reserve(inputs_of(std::slice::from_ref(&args.scenario)))?;
     let scenario = Scenario::load(&args.scenario, &args.overrides.set)?;
-    let sections = sections(&scenario)?;
+    let sections = sections(&scenario, args.rotor_thrust)?;
     let mut sheet = Sheet::new(HEAD);
     sheet.rows.extend(sections.iter().flat_map(cells));
     let outputs = places.write_pictures("The plant and its sources", &sheet, || {

@@ -1,6 +1,6 @@
 //! The channels of a telemetry row: the name of each number and its source in a [`Tick`].
 
-mod forces;
+mod world;
 
 use std::sync::Arc;
 
@@ -242,14 +242,6 @@ impl Builder {
         self.add("gripper", "N", "grip_force_n", "grip force, both pads", |tick, _| {
             tick.truth.as_ref().map(|truth| truth.grip_force_n)
         });
-    }
-
-    fn world(&mut self) {
-        for (axis, name) in ["wind.x", "wind.y", "wind.z"].into_iter().enumerate() {
-            self.add("world", "m/s", name, &name.replace('.', " "), move |tick, _| {
-                tick.truth.as_ref().map(|truth| truth.wind_in_world[axis])
-            });
-        }
     }
 }
 

@@ -11,6 +11,7 @@ use serde::Serialize;
 
 use super::pictures::{Curve, Picture};
 use super::series::EvaluateError;
+use twin_core::notation::GRAVITY_M_S2;
 use twin_scenario::Scenario;
 
 /// One comparison of the plant with a source.
@@ -57,16 +58,19 @@ pub struct Section {
     pub points: Vec<Point>,
 }
 
-/// All effects of the plant that flies `scenario`.
+/// All effects of the plant that flies `scenario`. A single rotor is examined at the speed at which it gives `thrust_n` in still air, N; `None`
+/// is its part of the vehicle's weight.
 ///
 /// # Errors
 /// [`EvaluateError`] if a flight of the scenario cannot be built.
-pub fn sections(scenario: &Scenario) -> Result<Vec<Section>, EvaluateError> {
+pub fn sections(scenario: &Scenario, thrust_n: Option<f64>) -> Result<Vec<Section>, EvaluateError> {
     let settings = scenario.settings.plant();
+    let weight_n = scenario.robot()?.total_mass_kg() * GRAVITY_M_S2;
+    let thrust_n = thrust_n.unwrap_or(weight_n / settings.vehicle.rotors.len() as f64);
     Ok(vec![
-        rotor::axial(&settings.vehicle.rotor),
-        rotor::edgewise(&settings.vehicle.rotor),
-        rotor::lag(&settings.vehicle.rotor),
+        rotor::axial(&settings.vehicle.rotor, thrust_n),
+        rotor::edgewise(&settings.vehicle.rotor, thrust_n),
+        rotor::lag(&settings.vehicle.rotor, thrust_n),
         air::ground(&settings),
         air::wake(&settings),
         air::drag(scenario)?,
@@ -121,7 +125,7 @@ mod tests {
         let file =
             std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/hover.toml");
         let scenario = Scenario::load(&file, &[]).expect("it loads");
-        let sections = sections(&scenario).expect("it flies");
+        let sections = sections(&scenario, None).expect("it flies");
         assert_eq!(sections.len(), 10);
         for section in &sections {
             assert!(section.source.len() > 20 && !section.points.is_empty(), "{}", section.title);

@@ -1,4 +1,4 @@
-//! The channels of the force budget, which only a simulation knows.
+//! The channels of wind and force budget, which only a simulation knows.
 
 use super::Builder;
 use twin_core::force_budget::ForceBudget;
@@ -8,6 +8,15 @@ use twin_core::tick::Tick;
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 impl Builder {
+    /// One channel for each axis of the wind.
+    pub(super) fn world(&mut self) {
+        for (axis, name) in ["wind.x", "wind.y", "wind.z"].into_iter().enumerate() {
+            self.add("world", "m/s", name, &name.replace('.', " "), move |tick, _| {
+                tick.truth.as_ref().map(|truth| truth.wind_in_world[axis])
+            });
+        }
+    }
+
     /// One channel for each force and axis, then mass times acceleration and what no force explains.
     pub(super) fn forces(&mut self) {
         for (index, name) in ForceBudget::NAMES.iter().enumerate() {

@@ -8,15 +8,12 @@ use twin_plant::curves::{published_descent, rotor, thrust_after_jump};
 /// Density of the air, kg/m³: that of the standard atmosphere at sea level.
 const AIR_KG_M3: f64 = 1.225;
 
-/// Thrust at which the rotor is examined, N: a quarter of the weight of the standard vehicle.
-const THRUST_N: f64 = 8.0;
-
 /// What rounding and the steps of 1 ms leave of a settled balance, relative.
 const SETTLED: f64 = 1e-4;
 
-/// Speed of a rotor that gives [`THRUST_N`] in still air, rad/s.
-fn speed_rad_s(s: &RotorSettings) -> f64 {
-    (THRUST_N / s.thrust_coefficient_n_s2).sqrt()
+/// Speed of a rotor that gives `thrust_n` in still air, rad/s.
+fn speed_rad_s(s: &RotorSettings, thrust_n: f64) -> f64 {
+    (thrust_n / s.thrust_coefficient_n_s2).sqrt()
 }
 
 fn disc_m2(s: &RotorSettings) -> f64 {
@@ -29,8 +26,8 @@ fn climbing(x: f64) -> f64 {
 }
 
 /// Induced velocity and thrust in climb and descent.
-pub(super) fn axial(s: &RotorSettings) -> Section {
-    let speed = speed_rad_s(s);
+pub(super) fn axial(s: &RotorSettings, thrust_n: f64) -> Section {
+    let speed = speed_rad_s(s, thrust_n);
     let at = |velocity: f64| rotor(s, speed, [0.0, 0.0, velocity]);
     let velocities = range(-6.0, 8.0, 70);
     let ratios =
@@ -73,15 +70,15 @@ pub(super) fn axial(s: &RotorSettings) -> Section {
 }
 
 /// Thrust, torque and hub moment in forward flight.
-pub(super) fn edgewise(s: &RotorSettings) -> Section {
-    let speed = speed_rad_s(s);
+pub(super) fn edgewise(s: &RotorSettings, thrust_n: f64) -> Section {
+    let speed = speed_rad_s(s, thrust_n);
     let at = |velocity: f64| rotor(s, speed, [velocity, 0.0, 0.0]);
     let advance = |velocity: f64| velocity / (speed * s.radius_m);
     let velocities = range(0.0, 15.0, 60);
     let theory = |velocity: f64| glauert_n(s, speed, velocity);
     let points = [3.0, 8.0, 12.0].map(|v| {
         let values = [at(v).thrust_n, theory(v)];
-        Point::new(format!("thrust at {v} m/s across the rotor"), values, SETTLED * THRUST_N, "N")
+        Point::new(format!("thrust at {v} m/s across the rotor"), values, SETTLED * thrust_n, "N")
     });
     let over = |value: &dyn Fn(f64) -> f64| {
         velocities.clone().map(|v| (advance(v), value(v))).collect::<Vec<_>>()
@@ -127,8 +124,8 @@ fn glauert_n(s: &RotorSettings, speed: f64, velocity: f64) -> f64 {
 }
 
 /// Thrust after a jump of the speed.
-pub(super) fn lag(s: &RotorSettings) -> Section {
-    let speed = speed_rad_s(s);
+pub(super) fn lag(s: &RotorSettings, thrust_n: f64) -> Section {
+    let speed = speed_rad_s(s, thrust_n);
     let jump = [0.98 * speed, 1.02 * speed];
     let thrust = thrust_after_jump(s, jump, 40);
     let settled = s.thrust_coefficient_n_s2 * jump[1] * jump[1];
