@@ -157,7 +157,10 @@ impl Console {
             {
                 panic!("nothing arrived for {PATIENCE:?}")
             }
-            Err(_) => Arrival::Closed(None),
+            Err(error) => {
+                eprintln!("the connection broke: {error}");
+                Arrival::Closed(None)
+            }
         }
     }
 

@@ -243,8 +243,12 @@ fn trouble(outcome: &Outcome) -> Option<String> {
     }
 }
 
-/// Prints the paper's table: a line per method, a column per scenario, mean ± standard deviation over the flights that completed.
+/// Prints the paper's table: a line per method, a column per scenario, mean ± standard deviation over the flights that completed. Scenarios
+/// that are not the paper's have no such table.
 fn print_matrix(out: &mut dyn Write, lines: &[Line]) -> io::Result<()> {
+    if !lines.iter().any(|line| COLUMNS.contains(&line.scenario.as_str())) {
+        return Ok(());
+    }
     write!(out, "{:24}", "rms e8, m and rad")?;
     for column in COLUMNS {
         write!(out, " {column:>15}")?;
@@ -301,27 +305,31 @@ fn print_table(out: &mut dyn Write, lines: &[Line]) -> io::Result<()> {
         "retries max"
     )?;
     for line in lines {
-        let v = |name: &str| line.values.get(name).copied().unwrap_or(f64::NAN);
+        // A path alone places nothing, so it has no placing error.
+        let v = |name: &str, decimals: usize| {
+            let value = line.values.get(name).filter(|value| value.is_finite());
+            value.map_or_else(|| "-".to_owned(), |value| format!("{value:.decimals$}"))
+        };
         let others: Vec<String> =
             line.other_verdicts.iter().map(|(k, n)| format!("{n} {k}")).collect();
         writeln!(
             out,
-            "{:22} {:12} {:>2}/{:<2}  {:7.3} {:9.3} {:>6}  {:8.3} ..{:7.3}  {:7.1} / {:5.1}  {:7.2} / {:5.2}  {:11.1}  {:11.0}  {}",
+            "{:22} {:12} {:>2}/{:<2}  {:>7} {:>9} {:>6}  {:>8} ..{:>7}  {:>7} / {:>5}  {:>7} / {:>5}  {:>11}  {:>11}  {}",
             line.row,
             line.scenario,
             line.completed,
             line.flights,
-            v("rms_error_e8_mean"),
-            v("rms_error_e8_transport_mean"),
+            v("rms_error_e8_mean", 3),
+            v("rms_error_e8_transport_mean", 3),
             line.paper_rms_error_e8.map_or_else(|| "-".to_owned(), |p| format!("{p:.3}")),
-            v("transport_speed_m_s_min"),
-            v("transport_speed_m_s_max"),
-            v("placement_error_mm_median"),
-            v("placement_error_mm_max"),
-            v("grasp_slip_mm_median"),
-            v("grasp_slip_mm_max"),
-            v("flight_s_median"),
-            v("retries_max"),
+            v("transport_speed_m_s_min", 3),
+            v("transport_speed_m_s_max", 3),
+            v("placement_error_mm_median", 1),
+            v("placement_error_mm_max", 1),
+            v("grasp_slip_mm_median", 2),
+            v("grasp_slip_mm_max", 2),
+            v("flight_s_median", 1),
+            v("retries_max", 0),
             others.join(", "),
         )?;
     }
