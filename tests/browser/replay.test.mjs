@@ -51,13 +51,14 @@ test("scrubbing moves the vehicle and the clock of the charts together", async (
       input.dispatchEvent(new Event("input"));
     }, time);
   const heights = [];
-  for (const time of [1, 3.8, 8]) {
+  for (const time of [10, 11.9, 1]) {
     await scrub(time);
     await until(async () => Math.abs((await replay()).time - time) < 0.006 && (await page.textContent("#time")) === `${time.toFixed(2)} s`, 5_000, `the clock shows ${time} s`);
     heights.push((await replay()).shownPose[2]);
   }
-  // Without feedback the vehicle sinks or climbs by more than the bound of 15 cm.
-  assert.ok(Math.abs(heights[1] - heights[0]) > 0.1 && Math.max(...heights) - Math.min(...heights) > 0.15, heights.join());
+  // Without feedback the vehicle leaves its height by more than the bound of 15 cm, the farther the later; only the air damps it.
+  const [late, last, early] = heights;
+  assert.ok(Math.abs(last - early) > 0.15 && Math.abs(late - early) > 0.1 && Math.abs(last - late) > 0.03, heights.join());
 });
 
 test("it plays, stops, and goes back to the failure", async () => {
@@ -67,6 +68,7 @@ test("it plays, stops, and goes back to the failure", async () => {
   await page.keyboard.press("Space");
   assert.equal((await replay()).playing, false);
   await page.click("#failures button");
-  await until(async () => (await replay()).time < 5, 5_000, "it is back at the failure");
+  const broken = Number(/broken at ([\d.]+) s/.exec(await page.textContent("#failures"))[1]);
+  await until(async () => Math.abs((await replay()).time - broken) < 0.011, 5_000, "it is back at the failure");
   if (process.env.TWIN_SHOT) await page.screenshot({ path: process.env.TWIN_SHOT });
 });
