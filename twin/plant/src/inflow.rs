@@ -24,6 +24,9 @@ const PROFILE_ADVANCE: f64 = 4.65;
 /// Largest advance ratio: beyond it the flow meets a whole blade from behind, and blade elements say nothing.
 const LARGEST_ADVANCE: f64 = 1.0;
 
+/// Largest thrust per thrust in hover at the same speed: the blades of a hovering rotor have a lift coefficient of about 0.6, and stall at 1.5.
+const STALL: f64 = 2.5;
+
 /// Largest tilt of a disc, rad: about where stiff blades would break.
 const LARGEST_TILT_RAD: f64 = 0.35;
 
@@ -94,8 +97,10 @@ impl Blades {
         // Induced velocity per speed in hover, m/rad; the pitch of the blades follows from the thrust there.
         let hover = (k / (2.0 * AIR_KG_M3 * self.area_m2)).sqrt();
         let pitch = k + self.lift_n_s2 * hover;
-        let thrust_n = pitch * squared(speed) * (1.0 + LIFT_ADVANCE * advance)
-            - self.lift_n_s2 * speed * through_m_s;
+        let flow = squared(speed) * (1.0 + LIFT_ADVANCE * advance);
+        let stalled = STALL * k * flow;
+        let thrust_n =
+            (pitch * flow - self.lift_n_s2 * speed * through_m_s).clamp(-stalled, stalled);
         let profile = (k * (self.torque_ratio_m - hover)).max(0.0);
         let torque_n_m = thrust_n * through_m_s / speed
             + profile * squared(speed) * (1.0 + PROFILE_ADVANCE * advance);
@@ -246,6 +251,19 @@ mod tests {
         let rest = (later[8] - settled) / (first - settled);
         assert!((0.05..0.25).contains(&rest), "{rest}");
         assert!((later[59] - settled).abs() < 0.01);
+    }
+
+    #[test]
+    fn blades_stall() {
+        let (up, down) = (Vector3::new(0.0, 0.0, 40.0), Vector3::new(0.0, 0.0, -40.0));
+        let mut inflow = Inflow::new(&ROTOR, 8.0, STEP_S);
+        let hover_n = K * 431.0 * 431.0;
+        assert!((inflow.step(0, K, 431.0, &up, true).thrust_n + 2.5 * hover_n).abs() < 1e-9);
+        assert!((inflow.step(0, K, 431.0, &down, true).thrust_n - 2.5 * hover_n).abs() < 1e-9);
+        assert!(
+            inflow.step(0, 0.0, 431.0, &up, true).thrust_n.abs() < 1e-12,
+            "a rotor without thrust"
+        );
     }
 
     #[test]

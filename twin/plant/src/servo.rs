@@ -62,6 +62,10 @@ impl Servos {
             return self.coulomb_n_m;
         }
         self.coulomb_n_m.zip_map(joint_dot, |coulomb, rate| {
+            // Rapier panics at a friction that is NaN.
+            if rate.is_nan() {
+                return coulomb;
+            }
             coulomb * (1.0 + (s.stiction - 1.0) * exp(-squared(rate / s.stribeck_rad_s)))
         })
     }
@@ -88,7 +92,8 @@ impl Servos {
 fn limited(torque_n_m: f64, rate_rad_s: f64, s: &ServoSettings) -> f64 {
     let driving = torque_n_m.signum() * rate_rad_s / s.free_rad_s;
     let most = s.stall_n_m * (1.0 - driving).clamp(0.0, 1.0);
-    torque_n_m.clamp(-most, most)
+    // A flight whose state has become infinite ends with its own verdict; until then a limit that is unknown limits nothing.
+    if most.is_nan() { torque_n_m } else { torque_n_m.clamp(-most, most) }
 }
 
 #[cfg(test)]
@@ -117,6 +122,16 @@ mod tests {
             free.torque(Vector2::new(5.0, -5.0), &Vector2::new(9.0, -9.0)),
             Vector2::zeros()
         );
+    }
+
+    #[test]
+    fn a_rate_that_is_not_finite_limits_nothing() {
+        let mut servos = servos();
+        let rates = Vector2::new(f64::NAN, f64::INFINITY);
+        let torque = servos.torque(Vector2::new(5.0, 5.0), &rates);
+        assert!((torque.x - 5.0).abs() < 1e-12 && torque.y.abs() < 1e-12, "{torque}");
+        let friction = servos.friction(&rates);
+        assert!((friction - Vector2::new(0.02, 0.04)).norm() < 1e-12, "{friction}");
     }
 
     #[test]

@@ -39,6 +39,9 @@ struct Gust {
 impl Gust {
     /// Velocity at `point`, m/s. The origin of the world meets the first gust at 0 s.
     fn at(&self, point: &Vector3<f64>) -> Vector3<f64> {
+        if self.length_s <= 0.0 {
+            return Vector3::zeros();
+        }
         let late_s = self.along.dot(point) / self.front_m_s;
         let phase = (self.t_s - late_s).rem_euclid(self.period_s);
         if phase >= self.length_s {
@@ -231,6 +234,14 @@ mod tests {
         assert!((t.scale_m[0] - 154.03).abs() < 0.1, "{t:?}");
         assert!((t.scale_m[2] - 30.48).abs() < 1e-12);
         assert_eq!(low_altitude(1.0, 10.0), low_altitude(LOWEST_M, 10.0));
+    }
+
+    #[test]
+    fn gusts_of_no_length_leave_the_mean() {
+        let mut rng = Pcg64::seed_from_u64(1);
+        let none = WindSettings { gust_s: 0.0, gust_period_s: 0.0, ..settings(WindKind::Gust) };
+        let now = Wind::new(&none).step(1.0, 0.0, 1.0, 1e-3, &mut rng);
+        assert!((now.at(&Vector3::zeros()) - Vector3::new(2.0, 0.0, 0.0)).norm() < 1e-12);
     }
 
     #[test]
