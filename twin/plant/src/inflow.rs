@@ -97,10 +97,10 @@ impl Blades {
         // Induced velocity per speed in hover, m/rad; the pitch of the blades follows from the thrust there.
         let hover = (k / (2.0 * AIR_KG_M3 * self.area_m2)).sqrt();
         let pitch = k + self.lift_n_s2 * hover;
-        let flow = squared(speed) * (1.0 + LIFT_ADVANCE * advance);
-        let stalled = STALL * k * flow;
-        let thrust_n =
-            (pitch * flow - self.lift_n_s2 * speed * through_m_s).clamp(-stalled, stalled);
+        let thrust_n = pitch * squared(speed) * (1.0 + LIFT_ADVANCE * advance)
+            - self.lift_n_s2 * speed * through_m_s;
+        let stalled = STALL * k * squared(speed) * (1.0 + LIFT_ADVANCE * advance);
+        let thrust_n = thrust_n.clamp(-stalled, stalled);
         let profile = (k * (self.torque_ratio_m - hover)).max(0.0);
         let torque_n_m = thrust_n * through_m_s / speed
             + profile * squared(speed) * (1.0 + PROFILE_ADVANCE * advance);
