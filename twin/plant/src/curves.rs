@@ -9,7 +9,7 @@ use rand_pcg::Pcg64;
 use super::STEP_S;
 use super::battery::{Battery, cell_v};
 use super::ground::Ground;
-use super::inflow::{Inflow, measured_descent};
+use super::inflow::{Blades, Inflow, measured_descent};
 use super::servo::Servos;
 use super::settings::{
     AeroSettings, BatterySettings, RotorPlace, RotorSettings, ServoSettings, WindSettings,
@@ -46,12 +46,11 @@ pub fn rotor(settings: &RotorSettings, speed_rad_s: f64, velocity: [f64; 3]) -> 
     for _ in 0..SETTLING {
         load = inflow.step(0, k, speed_rad_s, &velocity, true);
     }
-    let disc_m2 = std::f64::consts::PI * settings.radius_m * settings.radius_m;
     RotorPoint {
         thrust_n: load.thrust_n,
         torque_n_m: load.torque_n_m,
         induced_m_s: inflow.induced_m_s[0],
-        hover_m_s: (load.thrust_n.max(0.0) / (2.0 * super::inflow::AIR_KG_M3 * disc_m2)).sqrt(),
+        hover_m_s: Blades::new(settings).hover_m_s(load.thrust_n),
         hub_moment_n_m: settings.flap_stiffness_n_m_rad * load.flap_rad_s_m * velocity.xy().norm(),
     }
 }

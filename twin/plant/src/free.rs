@@ -3,11 +3,11 @@
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, UnitQuaternion, Vector3};
 use rapier3d_f64::prelude::*;
 
-use super::STEP_S;
 use super::convert::{from_pose, from_vector, rotation_matrix, to_pose, to_vector};
 use super::lump::{lumped_inertial, mass_properties};
+use super::{STEP_S, STEPS_PER_TICK};
 use crate::model::{Inertial, Robot, link_poses};
-use twin_core::notation::{GRAVITY_M_S2, TICK_S};
+use twin_core::notation::GRAVITY_M_S2;
 
 /// Pose and velocity of the root link.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,7 +86,7 @@ impl FreeBody {
     /// Advances the body by one tick, ten steps of 1 ms, under `wrench`.
     pub fn tick(&mut self, wrench: &Wrench) {
         let held = matches!(wrench, Wrench::Held(_));
-        for _ in 0..(TICK_S / STEP_S).round() as usize {
+        for _ in 0..STEPS_PER_TICK {
             let motion = self.motion();
             let Some(body) = self.world.bodies.get_mut(self.handle) else { return };
             body.reset_forces(true);

@@ -51,6 +51,9 @@ pub use vehicle::SimulatedVehicle;
 /// Plant step, s.
 const STEP_S: f64 = 1e-3;
 
+/// Steps in a tick of 10 ms.
+const STEPS_PER_TICK: u64 = 10;
+
 /// Why a vehicle or an arena cannot be simulated.
 #[derive(Debug, thiserror::Error)]
 pub enum PlantError {

@@ -1,7 +1,5 @@
 //! Rotors: the way from a commanded thrust to a rotor speed. The loop's model of delay and lag runs beside them.
 
-use std::collections::VecDeque;
-
 use nalgebra::Vector3;
 
 use super::command_link::CommandLink;
@@ -9,25 +7,6 @@ use super::mismatch::Ratios;
 use super::settings::{RotorPlace, RotorSettings};
 use twin_core::elementary::exp;
 use twin_core::notation::{MAX_ROTORS, PerRotor};
-
-/// A queue that delays the commands to an actuator.
-#[derive(Clone, Debug)]
-struct Delay<T> {
-    line: VecDeque<T>,
-}
-
-impl<T: Clone> Delay<T> {
-    /// A delay of `delay_s` in steps of `dt_s`; the queue is full of `initial`.
-    fn new(delay_s: f64, dt_s: f64, initial: T) -> Self {
-        let steps = (delay_s / dt_s).round().clamp(0.0, 1e4) as usize;
-        Self { line: vec![initial; steps].into() }
-    }
-
-    fn step(&mut self, value: T) -> T {
-        self.line.push_back(value.clone());
-        self.line.pop_front().unwrap_or(value)
-    }
-}
 
 /// First-order lag of rotor speeds, with the shares of a step by which a speed rises and falls towards the wanted one.
 #[derive(Clone, Debug)]
@@ -59,7 +38,8 @@ pub(super) struct Rotors {
     pub(super) settings: RotorSettings,
     link: CommandLink<PerRotor>,
     real: Drive,
-    modelled_delay: Delay<PerRotor>,
+    /// The link as the loop assumes it: every command arrives, after the same delay.
+    modelled_link: CommandLink<PerRotor>,
     modelled: Drive,
     /// Thrust of each rotor as a fraction of a healthy rotor's thrust.
     pub(super) efficiency: PerRotor,
@@ -83,12 +63,13 @@ impl Rotors {
         command_n[..places.len()].fill(hover_n);
         let speed_rad_s = command_n.map(|n| (n / settings.thrust_coefficient_n_s2).sqrt());
         let modelled_lags = [settings.modelled_lag_s; 2];
+        let link = CommandLink::new(settings.delay_s, dt_s, command_n);
         let mut this = Self {
             places: places.to_vec(),
             settings: *settings,
-            link: CommandLink::new(settings.delay_s, dt_s, command_n),
+            link: link.clone(),
             real: Drive::new(speed_rad_s, modelled_lags, &[1.0; MAX_ROTORS], dt_s),
-            modelled_delay: Delay::new(settings.delay_s, dt_s, command_n),
+            modelled_link: link,
             modelled: Drive::new(speed_rad_s, modelled_lags, &[1.0; MAX_ROTORS], dt_s),
             efficiency: [1.0; MAX_ROTORS],
             thrust_ratio: [1.0; MAX_ROTORS],
@@ -119,7 +100,8 @@ impl Rotors {
         let wanted = |n: f64| (n.clamp(0.0, s.max_thrust_n) / s.thrust_coefficient_n_s2).sqrt();
         let most_rad_s = fastest(power_w, &s);
         self.real.step(&self.link.step().map(|n| (wanted(n) * share).min(most_rad_s)));
-        self.modelled.step(&self.modelled_delay.step(command_n).map(wanted));
+        self.modelled_link.send(command_n, Some(0));
+        self.modelled.step(&self.modelled_link.step().map(wanted));
         self.modelled_thrust_n =
             self.modelled.speed_rad_s.map(|speed| s.thrust_coefficient_n_s2 * speed * speed);
     }

@@ -2,10 +2,10 @@
 
 use nalgebra::Vector3;
 
-use super::STEP_S;
 use super::truth::truth;
 use super::vehicle::SimulatedVehicle;
-use twin_core::notation::{Coords, TICK_S};
+use super::{STEP_S, STEPS_PER_TICK};
+use twin_core::notation::Coords;
 use twin_core::source::{Disturbance, InnerLoop, InnerState, Source};
 use twin_core::tick::{GripperReading, Measurement, Setpoint, Truth};
 
@@ -30,9 +30,8 @@ impl Source for SimulatedVehicle {
     fn advance(&mut self, setpoint: &Setpoint, inner: &mut dyn InnerLoop) -> Measurement {
         let mut saturated = false;
         let mut filtered = (Coords::zeros(), Coords::zeros());
-        let steps = (TICK_S / STEP_S).round() as usize;
         let mut state = self.state();
-        for _ in 0..steps {
+        for _ in 0..STEPS_PER_TICK {
             if self.step.is_multiple_of(self.inner_steps) && !self.failures.stalled {
                 let (chi, chi_dot) = (self.estimator.chi(), self.estimator.chi_dot());
                 let view = InnerState {

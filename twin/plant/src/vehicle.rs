@@ -18,7 +18,7 @@ use super::sensors::{KinematicState, Sensors};
 use super::servo::Servos;
 use super::setup::{BuiltWorld, Start, rig};
 use super::wind::{Wind, WindNow};
-use super::{Articulation, PlantError, PlantSettings, STEP_S};
+use super::{Articulation, PlantError, PlantSettings, STEP_S, STEPS_PER_TICK};
 use crate::model::{Robot, Statics};
 use twin_core::elementary::{atan2, squared};
 use twin_core::filter::Butterworth;
@@ -27,9 +27,6 @@ use twin_core::tick::{ActuatorCommand, PayloadReading, Setpoint};
 
 /// Corner of the filter pair `H` on acceleration and applied force, Hz: the optimum between noise and lag.
 const RESIDUAL_CORNER_HZ: f64 = 8.0;
-
-/// Steps of 1 ms in a tick of 10 ms.
-const STEPS_PER_TICK: u64 = 10;
 
 /// Separates the random numbers of the command link from those of wind and sensors.
 const LINK_STREAM: u64 = 0x1117_0c0d;
