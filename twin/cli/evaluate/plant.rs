@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 use std::path::PathBuf;
 
+use anyhow::ensure;
 use clap::Args;
 use twin_lab::evaluate::Sheet;
 use twin_lab::evaluate::pictures::Picture;
@@ -13,12 +14,16 @@ use twin_scenario::markup::escaped;
 use super::output::{Output, inputs_of};
 use crate::cli::{End, Overrides, print};
 
-/// Compares every effect of the plant, alone, with the curve of its source, and fails if one is off:
-///
-///     twin evaluate plant --html plant.html
-///     twin evaluate plant --set vehicle.rotor.blade_area_m2=0.02
+/// Shown below the options of `twin evaluate plant --help`.
+const HELP: &str = "\
+The command drives each effect of the plant alone until it has settled, and compares it with the curve of its source. The exit code \
+is 1 if a point is off by more than its line allows.
+
+  twin evaluate plant --html plant.html                        the curves beside each other
+  twin evaluate plant --set vehicle.rotor.blade_area_m2=0.02   other blades";
+
 #[derive(Args)]
-#[command(verbatim_doc_comment)]
+#[command(after_help = HELP)]
 pub(super) struct PlantArgs {
     /// Scenario whose vehicle and air are compared.
     #[arg(default_value = "scenarios/hover.toml")]
@@ -35,6 +40,9 @@ pub(super) struct PlantArgs {
 const HEAD: [&str; 6] = ["effect", "compared", "twin", "published", "allowed", "unit"];
 
 pub(super) fn run(args: &PlantArgs) -> anyhow::Result<End> {
+    if let Some(thrust_n) = args.rotor_thrust {
+        ensure!(thrust_n > 0.0, "--rotor-thrust: found {thrust_n}; expected more than 0 N");
+    }
     let places = args.output.reserve(inputs_of(std::slice::from_ref(&args.scenario)))?;
     let scenario = Scenario::load(&args.scenario, &args.overrides.set)?;
     let sections = sections(&scenario, args.rotor_thrust)?;
