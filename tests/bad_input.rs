@@ -303,7 +303,7 @@ fn a_training_that_cannot_be_done_says_why_and_what_to_do() {
         &["--without", "lstm"],
     );
     if cfg!(feature = "train") {
-        let empty = folder.0.to_str().expect("a name in UTF-8");
+        let empty = &folder.text("");
         refused(&["train", empty], &["no collect_*.mcap", "twin collect"]);
         let text = folder.write("flight.mcap", "no flight at all");
         let text = text.to_str().expect("a name in UTF-8");

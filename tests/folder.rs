@@ -2,18 +2,19 @@
 
 use std::path::PathBuf;
 
-/// A temporary folder of this test, which is removed when it is dropped.
-pub(crate) struct Folder(pub(crate) PathBuf);
+use tempfile::TempDir;
+
+/// A new folder of this test, which no other process has, and which is removed when it is dropped.
+pub(crate) struct Folder(TempDir);
 
 impl Folder {
     pub(crate) fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("twin-suite-{}-{name}", std::process::id()));
-        std::fs::create_dir_all(&path).expect("a temporary folder");
-        Self(path)
+        let prefix = format!("twin-{name}-");
+        Self(tempfile::Builder::new().prefix(&prefix).tempdir().expect("a temporary folder"))
     }
 
     pub(crate) fn path(&self, name: &str) -> PathBuf {
-        self.0.join(name)
+        self.0.path().join(name)
     }
 
     /// The path of the file `name` as text.
@@ -25,12 +26,5 @@ impl Folder {
         let path = self.path(name);
         std::fs::write(&path, text).expect("a temporary file");
         path
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        // A file that cannot be removed does not matter.
-        let _ = std::fs::remove_dir_all(&self.0);
     }
 }

@@ -1,18 +1,18 @@
 //! Outputs through the real program: no input is destroyed, nothing is overwritten unasked, and a failure leaves nothing behind.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
+use tempfile::TempDir;
 use twin_record::read_ticks;
 
 /// A temporary folder with a recording, removed when it is dropped.
-struct Folder(PathBuf);
+struct Folder(TempDir);
 
 impl Folder {
     fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("twin-outputs-{}-{name}", std::process::id()));
-        std::fs::create_dir_all(&path).expect("a temporary folder");
-        Self(path)
+        let prefix = format!("twin-{name}-");
+        Self(tempfile::Builder::new().prefix(&prefix).tempdir().expect("a temporary folder"))
     }
 
     /// A folder with the recording `f.mcap` of a short hover.
@@ -24,7 +24,7 @@ impl Folder {
     }
 
     fn path(&self, name: &str) -> String {
-        self.0.join(name).to_str().expect("a path of ASCII").to_owned()
+        self.0.path().join(name).to_str().expect("a path of ASCII").to_owned()
     }
 
     /// Names of all files, in order.
@@ -38,19 +38,12 @@ impl Folder {
     }
 
     fn bytes(&self, name: &str) -> Vec<u8> {
-        std::fs::read(self.0.join(name)).expect("the file")
+        std::fs::read(self.0.path().join(name)).expect("the file")
     }
 
     /// Flies a hover of half a second without a server.
     fn fly(more: &[&str]) -> Output {
         twin(&flight(more))
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        // A folder that cannot be removed does not matter.
-        let _ = std::fs::remove_dir_all(&self.0);
     }
 }
 
@@ -192,7 +185,7 @@ fn a_second_recording_takes_the_next_free_number_and_says_so() {
     assert!(folder.bytes("f.mcap") == first);
     let replaced = Folder::fly(&["--record", &file, "--overwrite", "--set", "task.duration_s=0.3"]);
     assert_eq!(replaced.status.code(), Some(0), "{}", stderr(&replaced));
-    let ticks = |name: &str| read_ticks(&folder.0.join(name)).expect("a recording").len();
+    let ticks = |name: &str| read_ticks(&folder.0.path().join(name)).expect("a recording").len();
     assert_eq!((ticks("f.mcap"), ticks("f-2.mcap")), (30, TICKS));
     assert_eq!(folder.names(), ["f-2.mcap", "f.mcap"]);
 }
@@ -215,7 +208,10 @@ fn two_flights_at_once_never_share_a_recording() {
     let names = folder.names();
     assert_eq!(names, ["two-2.mcap", "two-3.mcap", "two-4.mcap", "two.mcap"]);
     for name in names {
-        assert_eq!(read_ticks(&folder.0.join(name)).expect("a whole recording").len(), TICKS);
+        assert_eq!(
+            read_ticks(&folder.0.path().join(name)).expect("a whole recording").len(),
+            TICKS
+        );
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::folder::Folder;
 use twin_core::control::{Gains, Preset};
 use twin_scenario::{DEFAULTS, Scenario, Verdict, fly};
 
@@ -52,11 +53,8 @@ fn every_scenario_loads_builds_and_starts() {
 
 #[test]
 fn an_empty_file_means_the_defaults() {
-    let file =
-        std::env::temp_dir().join(format!("twin-scenarios-{}-empty.toml", std::process::id()));
-    std::fs::write(&file, "").expect("a temporary file");
-    let empty = Scenario::load(&file, &[]);
-    std::fs::remove_file(&file).expect("it is removed");
+    let temporary = Folder::new("empty");
+    let empty = Scenario::load(&temporary.write("empty.toml", ""), &[]);
     // Model files are relative to the scenario's folder.
     let scenario = Scenario { file: folder().join("empty.toml"), ..empty.expect("it loads") };
     assert_eq!(scenario.settings.title, "unnamed");

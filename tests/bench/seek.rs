@@ -18,6 +18,9 @@
 mod console;
 #[path = "../patience.rs"]
 mod patience;
+#[path = "../folder.rs"]
+#[expect(dead_code, reason = "the suite uses the rest")]
+mod folder;
 #[path = "../mirror/made.rs"]
 mod made;
 

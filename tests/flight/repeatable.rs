@@ -1,11 +1,12 @@
 //! The same seed gives the same flight: in memory, in a recording, and flown again from a recording.
 
-use std::path::PathBuf;
 use std::process::Command;
 use std::sync::Arc;
 
 use twin_record::{Recorder, RecordingEnd, read_recording, read_ticks};
 use twin_scenario::{Scenario, Settings};
+
+use crate::folder::Folder;
 
 use super::flown::{flown, scenario};
 
@@ -61,15 +62,11 @@ fn the_hash_does_not_depend_on_the_code_that_the_c_library_chooses_for_a_process
     assert_eq!(hash(""), hash(WITHOUT_FMA));
 }
 
-/// Path of a file of this test process.
-fn file(name: &str) -> PathBuf {
-    std::env::temp_dir().join(format!("twin-flight-{}-{name}.mcap", std::process::id()))
-}
-
 #[test]
 fn a_recording_holds_the_ticks_to_the_last_bit_and_all_it_takes_to_fly_them_again() {
     let scenario = short(7);
-    let path = file("exact");
+    let folder = Folder::new("exact");
+    let path = folder.path("flight.mcap");
     let info = scenario
         .recording_info(&scenario.tuning().expect("the gains are valid"))
         .expect("it can be recorded");
@@ -86,7 +83,6 @@ fn a_recording_holds_the_ticks_to_the_last_bit_and_all_it_takes_to_fly_them_agai
         "a tick changed on its way through the file"
     );
     let recording = read_recording(&path).expect("it is read");
-    std::fs::remove_file(&path).expect("it is removed");
     assert_eq!(recording.warning, None);
     let text =
         String::from_utf8(recording.attachments["scenario.toml"].clone()).expect("TOML is text");

@@ -9,8 +9,10 @@ mod repeats;
 mod replay;
 mod sweeps;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
+
+use tempfile::TempDir;
 
 fn twin(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_twin"))
@@ -21,17 +23,16 @@ fn twin(arguments: &[&str]) -> Output {
 }
 
 /// A folder of this test that is removed at its end.
-struct Folder(PathBuf);
+struct Folder(TempDir);
 
 impl Folder {
     fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("twin-harness-{}-{name}", std::process::id()));
-        std::fs::create_dir_all(&path).expect("a temporary folder");
-        Self(path)
+        let prefix = format!("twin-{name}-");
+        Self(tempfile::Builder::new().prefix(&prefix).tempdir().expect("a temporary folder"))
     }
 
     fn path(&self, name: &str) -> String {
-        self.0.join(name).display().to_string()
+        self.0.path().join(name).display().to_string()
     }
 
     /// A hover of a second with the additional checks `more`; its models are those of the repository.
@@ -53,13 +54,6 @@ impl Folder {
         let mut all = vec!["test", "--artifacts", &artifacts];
         all.extend(arguments);
         twin(&all)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        // A folder that cannot be removed does not matter.
-        let _ = std::fs::remove_dir_all(&self.0);
     }
 }
 

@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::path::PathBuf;
+use std::sync::LazyLock;
 
+use crate::folder::Folder;
 use mcap::records::MessageHeader;
 use nalgebra::{UnitQuaternion, Vector3};
 use twin_core::elementary::{cos, sin, squared};
@@ -165,11 +167,11 @@ fn odometry_message(t_us: u64, t_s: f64, sign: f64) -> (Vec<u8>, f64) {
     (message.0, force.norm())
 }
 
-/// Writes a file of this test run.
+/// Writes a file of this test run, whose folder no other process has.
 pub(crate) fn file(name: &str, bytes: &[u8]) -> PathBuf {
-    let folder = std::env::temp_dir().join(format!("twin-mirror-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).expect("a folder");
-    let path = folder.join(name);
+    // A static is not dropped, so the folder stays: it is for reading after a failure.
+    static FOLDER: LazyLock<Folder> = LazyLock::new(|| Folder::new("mirror"));
+    let path = FOLDER.path(name);
     std::fs::write(&path, bytes).expect("a file");
     path
 }

@@ -2,8 +2,9 @@
 
 use std::time::Duration;
 
-use super::console::{Console, folder, options};
+use super::console::{Console, options};
 use super::raw::metric;
+use crate::folder::Folder;
 use crate::patience::until;
 use twin_console::server::{Limits, spawn};
 
@@ -13,9 +14,9 @@ const EACH: usize = 3;
 
 #[test]
 fn a_burst_of_180_restarts_begins_one_flight_and_one_recording() {
-    let place = folder("burst");
+    let place = Folder::new("burst");
     let mut recorded = options();
-    recorded.record = Some(place.join("flight.mcap"));
+    recorded.record = Some(place.path("flight.mcap"));
     // The second restart waits for longer than the test takes.
     recorded.limits = Limits { restart_gap: Duration::from_hours(1), ..Limits::STANDARD };
     let running = spawn(recorded).expect("a free port");
@@ -34,9 +35,8 @@ fn a_burst_of_180_restarts_begins_one_flight_and_one_recording() {
     let start = watcher.frame().after();
     while watcher.frame().after() < start + 20 {}
     running.stop();
-    let files = std::fs::read_dir(&place).expect("the folder").count();
+    let files = std::fs::read_dir(place.path("")).expect("the folder").count();
     assert_eq!(files, 2, "the first flight and the one that was restarted");
-    std::fs::remove_dir_all(place).expect("the folder of this test");
 }
 
 #[test]

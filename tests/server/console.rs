@@ -2,7 +2,7 @@
 
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde_json::Value;
 use tungstenite::client::IntoClientRequest;
@@ -44,13 +44,6 @@ pub(super) fn options() -> ServeOptions {
 
 pub(super) fn serve() -> Running {
     spawn(options()).expect("a free port")
-}
-
-/// A folder of this test process.
-pub(super) fn folder(name: &str) -> PathBuf {
-    let folder = std::env::temp_dir().join(format!("twin-server-{}-{name}", std::process::id()));
-    std::fs::create_dir_all(&folder).expect("a temporary folder");
-    folder
 }
 
 /// One telemetry frame.

@@ -2,7 +2,8 @@
 
 use serde_json::Value;
 
-use super::console::{Console, api, folder, options, scenario, serve};
+use super::console::{Console, api, options, scenario, serve};
+use crate::folder::Folder;
 use twin_console::server::spawn;
 
 fn gain_in(list: &Value, name: &str) -> Value {
@@ -127,9 +128,9 @@ fn a_restart_resets_everybody_and_starts_at_tick_0_with_a_new_schema() {
 
 #[test]
 fn a_served_flight_is_recorded_tick_by_tick_and_each_restart_in_its_own_file() {
-    let folder = folder("record");
+    let folder = Folder::new("record");
     let mut recorded = options();
-    recorded.record = Some(folder.join("flight.mcap"));
+    recorded.record = Some(folder.path("flight.mcap"));
     let running = spawn(recorded).expect("a free port");
     let mut console = Console::connect(running.address());
     console.send(r#"{"type":"set_gain","name":"slope.y","value":1.5}"#);
@@ -140,7 +141,7 @@ fn a_served_flight_is_recorded_tick_by_tick_and_each_restart_in_its_own_file() {
     while console.frame().after() < 20 {}
     running.stop();
 
-    let first = twin_record::read_recording(&folder.join("flight.mcap")).expect("the first flight");
+    let first = twin_record::read_recording(&folder.path("flight.mcap")).expect("the first flight");
     assert_eq!(first.warning, None);
     assert!(first.ticks.len() >= 60);
     assert!(first.ticks.iter().zip(0..).all(|(tick, index)| tick.index == index));
@@ -151,7 +152,7 @@ fn a_served_flight_is_recorded_tick_by_tick_and_each_restart_in_its_own_file() {
         changed.events
     );
     let second =
-        twin_record::read_recording(&folder.join("flight-2.mcap")).expect("the second flight");
+        twin_record::read_recording(&folder.path("flight-2.mcap")).expect("the second flight");
     assert_eq!(second.metadata["seed"], "5");
     assert!(second.metadata.contains_key("state_hash"));
 }

@@ -2,7 +2,8 @@
 
 use serde_json::Value;
 
-use super::console::{Console, api, folder, http, options, serve};
+use super::console::{Console, api, http, options, serve};
+use crate::folder::Folder;
 use twin_console::server::{ServeOptions, spawn};
 use twin_scenario::Scenario;
 
@@ -90,10 +91,10 @@ fn gains_taken_away_as_a_scenario_table_give_the_same_gains_again() {
     assert!(table.contains("preset = \"tuned\""), "{table}");
     let changed = table.lines().filter(|line| line.contains(" = ")).count();
     assert_eq!(changed, 4, "the preset and what differs from it, nothing else: {table}");
-    let file = folder("override").join("taken.toml");
+    let folder = Folder::new("override");
     let hover = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/hover.toml");
     let vehicle = hover.with_file_name("../urdf/aerial_manipulator.urdf");
-    std::fs::write(&file, table).expect("a temporary file");
+    let file = folder.write("taken.toml", table);
     let vehicle = format!("vehicle.urdf={}", vehicle.display());
     let tuning = Scenario::load(&file, &[vehicle]).expect("usable").tuning().expect("in range");
     let listed = api(running.address(), "/api/gains");

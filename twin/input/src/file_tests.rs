@@ -1,25 +1,16 @@
-use std::path::PathBuf;
-
 use super::*;
-
-fn folder(name: &str) -> PathBuf {
-    let folder = std::env::temp_dir().join(format!("twin-input-{}-{name}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
-    folder
-}
 
 const FIVE: Limit = Limit::new(5, "bytes", "shorten it");
 
 #[test]
 fn a_file_as_long_as_the_limit_is_read_and_one_byte_more_is_refused() {
-    let folder = folder("length");
-    let file = folder.join("a.txt");
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("a.txt");
     std::fs::write(&file, "12345").unwrap();
     assert_eq!(read_text(&file, FIVE).unwrap(), "12345");
     std::fs::write(&file, "123456").unwrap();
     let said = read(&file, FIVE).unwrap_err().to_string();
     assert_eq!(said, "found 6 bytes, at most 5 are allowed; shorten it");
-    std::fs::remove_dir_all(folder).unwrap();
 }
 
 #[test]
@@ -33,44 +24,42 @@ fn a_file_that_claims_to_be_empty_is_read_up_to_the_limit_too() {
 
 #[test]
 fn text_that_is_not_utf_8_is_refused_with_its_byte() {
-    let folder = folder("text");
-    let file = folder.join("a.txt");
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("a.txt");
     std::fs::write(&file, b"ab\xff").unwrap();
     assert!(matches!(read_text(&file, FIVE), Err(InputError::NotText { at: 2 })));
-    std::fs::remove_dir_all(folder).unwrap();
 }
 
 #[test]
 fn only_regular_files_are_opened_through_links_too() {
-    let folder = folder("kinds");
-    let said = open(&folder).unwrap_err().to_string();
+    let folder = tempfile::tempdir().unwrap();
+    let said = open(folder.path()).unwrap_err().to_string();
     assert!(said.contains("a directory") && said.contains("name a file in it"), "{said}");
-    assert!(open(&folder.join("absent")).unwrap_err().is_absent());
-    assert!(check_kind(&folder.join("absent")).is_ok());
+    assert!(open(&folder.path().join("absent")).unwrap_err().is_absent());
+    assert!(check_kind(&folder.path().join("absent")).is_ok());
     #[cfg(unix)]
     {
-        let file = folder.join("a");
+        let file = folder.path().join("a");
         std::fs::write(&file, "x").unwrap();
         for (target, found) in [(file.as_path(), None), (Path::new("/dev/zero"), Some("a device"))]
         {
-            let link = folder.join("link");
+            let link = folder.path().join("link");
             std::os::unix::fs::symlink(target, &link).unwrap();
             let said = open(&link).err().map(|error| error.to_string());
             assert_eq!(said.is_some(), found.is_some());
             assert!(said.unwrap_or_default().contains(found.unwrap_or_default()));
             std::fs::remove_file(link).unwrap();
         }
-        let socket = folder.join("socket");
+        let socket = folder.path().join("socket");
         let _listener = std::os::unix::net::UnixListener::bind(&socket).unwrap();
         assert!(open(&socket).unwrap_err().to_string().contains("a socket"));
         // The command `mkfifo` belongs to POSIX.
-        let pipe = folder.join("pipe");
+        let pipe = folder.path().join("pipe");
         let made = std::process::Command::new("mkfifo").arg(&pipe).status();
         assert!(made.is_ok_and(|status| status.success()));
         let said = open(&pipe).unwrap_err().to_string();
         assert!(said.contains("a named pipe") && said.contains("into a file"), "{said}");
     }
-    std::fs::remove_dir_all(folder).unwrap();
 }
 
 #[test]

@@ -1,5 +1,7 @@
 use std::sync::Arc;
 
+use tempfile::TempDir;
+
 use super::*;
 use crate::fixture;
 use crate::{Recorder, RecordingEnd, RecordingInfo};
@@ -7,10 +9,8 @@ use crate::{Recorder, RecordingEnd, RecordingInfo};
 /// More ticks than two chunks hold, so that a cut leaves at least one whole chunk.
 const TICKS: u64 = 250;
 
-fn file(name: &str) -> PathBuf {
-    let folder = std::env::temp_dir().join(format!("twin-recording-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
-    folder.join(name)
+fn folder() -> TempDir {
+    tempfile::tempdir().unwrap()
 }
 
 fn info() -> RecordingInfo {
@@ -42,7 +42,8 @@ fn record(path: &Path, ticks: &[Tick]) {
 #[test]
 fn ticks_read_are_the_ticks_written_and_metadata_and_files_come_along() {
     let ticks: Vec<Tick> = (0..TICKS).map(fixture::tick).collect();
-    let path = file("whole.mcap");
+    let folder = folder();
+    let path = folder.path().join("whole.mcap");
     record(&path, &ticks);
     let read = read_recording(&path).unwrap();
     // Equality of f64 compares all bits except for the sign of zero; the JSON text of both sides compares that, too.
@@ -59,7 +60,8 @@ fn ticks_read_are_the_ticks_written_and_metadata_and_files_come_along() {
 #[test]
 fn a_cut_file_is_read_to_its_last_whole_chunk_and_says_so() {
     let ticks: Vec<Tick> = (0..TICKS).map(fixture::tick).collect();
-    let path = file("cut.mcap");
+    let folder = folder();
+    let path = folder.path().join("cut.mcap");
     record(&path, &ticks);
     let bytes = std::fs::read(&path).unwrap();
     let data_end = bytes.len() - 1;
@@ -81,7 +83,8 @@ fn a_cut_file_is_read_to_its_last_whole_chunk_and_says_so() {
 #[test]
 fn a_damaged_byte_never_yields_a_wrong_tick() {
     let ticks: Vec<Tick> = (0..TICKS).map(fixture::tick).collect();
-    let path = file("damaged.mcap");
+    let folder = folder();
+    let path = folder.path().join("damaged.mcap");
     record(&path, &ticks);
     let bytes = std::fs::read(&path).unwrap();
     for part in 1..60 {
@@ -96,18 +99,23 @@ fn a_damaged_byte_never_yields_a_wrong_tick() {
 
 #[test]
 fn a_text_file_an_empty_file_and_no_file_are_clear_errors() {
-    let path = file("text.mcap");
+    let folder = folder();
+    let path = folder.path().join("text.mcap");
     std::fs::write(&path, "hello, this is text").unwrap();
     let text = read_ticks(&path).unwrap_err().to_string();
     assert!(text.contains("not an MCAP file") && text.contains("hello, t"), "{text}");
     std::fs::write(&path, "").unwrap();
     assert!(matches!(read_ticks(&path), Err(RecordingError::NotMcap { .. })));
-    assert!(matches!(read_ticks(&file("absent.mcap")), Err(RecordingError::Read { .. })));
+    assert!(matches!(
+        read_ticks(&folder.path().join("absent.mcap")),
+        Err(RecordingError::Read { .. })
+    ));
 }
 
 #[test]
 fn a_recorder_that_is_dropped_leaves_a_whole_file_without_an_end() {
-    let path = file("dropped.mcap");
+    let folder = folder();
+    let path = folder.path().join("dropped.mcap");
     let mut recorder = Recorder::create(&path, &info()).unwrap();
     recorder.record(Arc::new(fixture::tick(0))).unwrap();
     drop(recorder);
@@ -118,7 +126,8 @@ fn a_recorder_that_is_dropped_leaves_a_whole_file_without_an_end() {
 
 #[test]
 fn what_is_flushed_can_be_read_while_the_recorder_still_writes() {
-    let path = file("live.mcap");
+    let folder = folder();
+    let path = folder.path().join("live.mcap");
     let mut recorder = Recorder::create(&path, &info()).unwrap();
     for index in 0..150 {
         recorder.record(Arc::new(fixture::tick(index))).unwrap();
@@ -134,7 +143,7 @@ fn what_is_flushed_can_be_read_while_the_recorder_still_writes() {
 
 #[test]
 fn a_folder_that_does_not_exist_is_an_error_that_names_the_file() {
-    let error =
-        Recorder::create(&file("no-such-folder").join("x.mcap"), &info()).unwrap_err().to_string();
+    let path = folder().path().join("no-such-folder/x.mcap");
+    let error = Recorder::create(&path, &info()).unwrap_err().to_string();
     assert!(error.contains("x.mcap") && error.contains("--record"), "{error}");
 }

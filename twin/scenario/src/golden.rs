@@ -225,17 +225,14 @@ mod tests {
             .collect()
     }
 
-    fn compared(name: &str, stored: &[Tick], flown: &[Tick], tolerance: f64) -> Option<Violation> {
-        let folder =
-            std::env::temp_dir().join(format!("twin-golden-{}-{name}", std::process::id()));
-        std::fs::create_dir_all(&folder).unwrap();
+    fn compared(stored: &[Tick], flown: &[Tick], tolerance: f64) -> Option<Violation> {
+        let folder = tempfile::tempdir().unwrap();
         let mut writer = GoldenWriter::new(&settings(tolerance));
         for tick in stored {
             writer.add(tick);
         }
-        std::fs::write(folder.join("g.csv"), writer.finish()).unwrap();
-        let mut check = GoldenCheck::new(&settings(tolerance), &folder);
-        std::fs::remove_dir_all(&folder).unwrap();
+        std::fs::write(folder.path().join("g.csv"), writer.finish()).unwrap();
+        let mut check = GoldenCheck::new(&settings(tolerance), folder.path());
         for tick in flown {
             check.add(tick);
         }
@@ -245,13 +242,13 @@ mod tests {
     #[test]
     fn the_same_flight_does_not_diverge_and_neither_does_one_within_the_tolerance() {
         let stored = flight(60, 60, 0.0);
-        assert_eq!(compared("same", &stored, &stored, 1e-6), None);
-        assert_eq!(compared("near", &stored, &flight(60, 30, 0.004), 0.005), None);
+        assert_eq!(compared(&stored, &stored, 1e-6), None);
+        assert_eq!(compared(&stored, &flight(60, 30, 0.004), 0.005), None);
     }
 
     #[test]
     fn the_first_divergence_is_told_with_time_channel_and_both_values() {
-        let found = compared("far", &flight(60, 60, 0.0), &flight(60, 31, 0.25), 0.005).unwrap();
+        let found = compared(&flight(60, 60, 0.0), &flight(60, 31, 0.25), 0.005).unwrap();
         assert_eq!((found.name.as_str(), found.what.as_str()), ("golden", "golden run height_m"));
         // The ticks from 31 on differ. The next line is that of tick 34, at 0.35 s.
         assert!((found.at_s - 0.35).abs() < 1e-9, "{found}");
@@ -261,7 +258,7 @@ mod tests {
     #[test]
     fn another_length_and_a_missing_file_are_divergences_too() {
         let stored = flight(60, 60, 0.0);
-        let short = compared("short", &stored, &flight(40, 60, 0.0), 0.1).unwrap();
+        let short = compared(&stored, &flight(40, 60, 0.0), 0.1).unwrap();
         assert!(short.to_string().contains("an end at 0.40 s"), "{short}");
         let check = GoldenCheck::new(&settings(0.1), Path::new("/absent"));
         let absent = check.finish().unwrap().to_string();

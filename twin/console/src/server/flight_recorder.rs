@@ -236,11 +236,11 @@ mod tests {
 
     #[test]
     fn the_next_flight_begins_before_the_file_of_the_last_one_is_finished() {
-        let folder = std::env::temp_dir().join(format!("twin-recorders-{}", std::process::id()));
-        std::fs::create_dir_all(&folder).unwrap();
+        let folder = tempfile::tempdir().unwrap();
         let scenario = Scenario::load(Path::new(HOVER), &[]).unwrap();
         let info = scenario.recording_info(&scenario.tuning().unwrap()).unwrap();
-        let mut flights = FlightRecorder::new(Some(folder.join("flight.mcap")), Outputs::default());
+        let mut flights =
+            FlightRecorder::new(Some(folder.path().join("flight.mcap")), Outputs::default());
         for _ in 0..2 {
             flights.begin(&info, &[], 1.0).unwrap();
             // As many as the queue holds: the file cannot be finished when the flight ends.
@@ -255,7 +255,6 @@ mod tests {
         let status = flights.status().unwrap();
         assert_eq!((status.state, status.ticks), (RecordingState::Finished, 400));
         assert!(status.file.ends_with("flight-2.mcap") && status.bytes > 0);
-        std::fs::remove_dir_all(&folder).unwrap();
     }
 
     #[test]

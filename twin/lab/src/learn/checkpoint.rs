@@ -207,22 +207,18 @@ mod tests {
         Checkpoint { state, best: weights.clone(), weights, adam }
     }
 
-    fn folder(name: &str) -> PathBuf {
-        let folder = std::env::temp_dir().join(format!("twin-{name}-{}", std::process::id()));
-        std::fs::create_dir_all(&folder).unwrap();
-        folder
-    }
-
     #[test]
     fn what_is_read_is_what_was_written() {
-        let (written, path) = (checkpoint(), folder("checkpoint").join("w.checkpoint"));
+        let folder = tempfile::tempdir().unwrap();
+        let (written, path) = (checkpoint(), folder.path().join("w.checkpoint"));
         written.write(&path).unwrap();
         assert_eq!(Checkpoint::read(&path, &written.weights).unwrap(), written);
     }
 
     #[test]
     fn a_cut_or_foreign_file_and_another_training_are_refused() {
-        let (one, path) = (checkpoint(), folder("cut").join("w.checkpoint"));
+        let folder = tempfile::tempdir().unwrap();
+        let (one, path) = (checkpoint(), folder.path().join("w.checkpoint"));
         one.write(&path).unwrap();
         let whole = std::fs::read(&path).unwrap();
         for length in [0, 5, 40, whole.len() - 1] {

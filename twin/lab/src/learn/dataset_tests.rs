@@ -9,12 +9,6 @@ use twin_record::{Recorder, RecordingEnd, RecordingInfo, fixture};
 
 const TICKS: u64 = 250;
 
-fn folder() -> PathBuf {
-    let folder = std::env::temp_dir().join(format!("twin-dataset-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
-    folder
-}
-
 fn record(path: &Path, ticks: &[Tick], inertia: f64) {
     let m_bar = vec![inertia.to_string(); 8].join(",");
     let info = RecordingInfo {
@@ -49,7 +43,8 @@ fn ticks() -> Vec<Tick> {
 
 #[test]
 fn series_are_what_was_recorded_and_the_force_is_of_the_tick_before() {
-    let (path, mut ticks) = (folder().join("flight.mcap"), ticks());
+    let folder = tempfile::tempdir().unwrap();
+    let (path, mut ticks) = (folder.path().join("flight.mcap"), ticks());
     ticks[20].reference.adaptation = Adaptation::Held;
     ticks[30].reference.follows_measurement = true;
     ticks[40].fault = Some(Fault::NonFiniteMeasurement);
@@ -78,7 +73,8 @@ fn series_are_what_was_recorded_and_the_force_is_of_the_tick_before() {
 
 #[test]
 fn equal_data_has_an_equal_hash_whatever_the_file_is_called() {
-    let (a, b, c) = (folder().join("a.mcap"), folder().join("b.mcap"), folder().join("c.mcap"));
+    let folder = tempfile::tempdir().unwrap();
+    let [a, b, c] = ["a.mcap", "b.mcap", "c.mcap"].map(|name| folder.path().join(name));
     let mut other = ticks();
     other[100].measurement.chi[0] += 1e-3;
     record(&a, &ticks(), 2.0);
@@ -91,12 +87,9 @@ fn equal_data_has_an_equal_hash_whatever_the_file_is_called() {
 
 #[test]
 fn data_that_cannot_be_learned_from_say_why() {
-    let (whole, cut, heavy, nan) = (
-        folder().join("whole.mcap"),
-        folder().join("cut.mcap"),
-        folder().join("heavy.mcap"),
-        folder().join("nan.mcap"),
-    );
+    let folder = tempfile::tempdir().unwrap();
+    let names = ["whole.mcap", "cut.mcap", "heavy.mcap", "nan.mcap"];
+    let [whole, cut, heavy, nan] = names.map(|name| folder.path().join(name));
     record(&whole, &ticks(), 2.0);
     record(&heavy, &ticks(), 3.0);
     let mut broken = ticks();
@@ -114,7 +107,7 @@ fn data_that_cannot_be_learned_from_say_why() {
     assert!(error.contains("heavy.mcap") && error.contains("M_bar"), "{error}");
     let error = read(&[&nan]);
     assert!(error.contains("chi_dot.y is NaN at tick 17"), "{error}");
-    let error = read(&[&folder().join("absent.mcap")]);
+    let error = read(&[&folder.path().join("absent.mcap")]);
     assert!(error.contains("absent.mcap"), "{error}");
     assert!(matches!(Dataset::read(&[]), Err(LearnError::NoData)));
 }

@@ -1,9 +1,9 @@
 //! Training reduces the loss, resumes where it stopped, and writes weights whose forecast in flight equals that of the training.
 
 use std::ops::ControlFlow;
-use std::path::PathBuf;
 
 use burn_tensor::{Tensor, TensorData};
+use tempfile::TempDir;
 
 use super::checkpoint::{Checkpoint, path_for};
 use super::config::TrainConfig;
@@ -22,11 +22,8 @@ use twin_record::Outputs;
 /// Two orders of summation in f32, for numbers of order one.
 const PARITY: f32 = 1e-5;
 
-fn folder(name: &str) -> PathBuf {
-    let folder = std::env::temp_dir().join(format!("twin-train-{name}-{}", std::process::id()));
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).expect("a folder for temporary files");
-    folder
+fn folder() -> TempDir {
+    tempfile::tempdir().expect("a folder for temporary files")
 }
 
 fn run(
@@ -49,7 +46,8 @@ fn run(
 #[test]
 fn a_small_training_learns_a_linear_system() {
     let (data, config) = (dataset(2, 1200), TrainConfig { epochs: 12, ..tiny() });
-    let out = folder("learns").join("w.safetensors");
+    let folder = folder();
+    let out = folder.path().join("w.safetensors");
     let outcome = run(&data, &config, &out, false, usize::MAX).unwrap();
     let loss = outcome.head.training.validation_loss.unwrap();
     // A forecast of the mean has the variance as its loss. The inputs determine the residual, so the rest is what a dozen epochs leave.
@@ -75,8 +73,9 @@ fn a_small_training_learns_a_linear_system() {
 
 #[test]
 fn a_training_that_was_stopped_goes_on_to_the_same_bits() {
-    let (data, config, folder) = (dataset(2, 300), tiny(), folder("resume"));
-    let (whole, halves) = (folder.join("whole.safetensors"), folder.join("halves.safetensors"));
+    let (data, config, folder) = (dataset(2, 300), tiny(), folder());
+    let [whole, halves] =
+        ["whole", "halves"].map(|name| folder.path().join(format!("{name}.safetensors")));
     run(&data, &config, &whole, false, usize::MAX).unwrap();
     let stopped = run(&data, &config, &halves, false, 2).unwrap();
     assert!(!stopped.finished && !halves.exists() && stopped.curve.len() == 2);
@@ -102,7 +101,8 @@ fn a_training_that_was_stopped_goes_on_to_the_same_bits() {
 #[test]
 fn a_loss_that_is_no_number_ends_the_training_and_leaves_the_checkpoint() {
     let (data, config) = (dataset(1, 300), tiny());
-    let out = folder("diverges").join("w.safetensors");
+    let folder = folder();
+    let out = folder.path().join("w.safetensors");
     run(&data, &config, &out, false, 1).unwrap();
     let windows = Windows::new(&data, &config).unwrap();
     let like = Parameters::initial(&network(&config, &windows).tensors(), &mut generator(0, 0, 0));
@@ -119,7 +119,8 @@ fn a_loss_that_is_no_number_ends_the_training_and_leaves_the_checkpoint() {
 fn untrained(config: &TrainConfig) -> (Weights, Windows, Vec<f32>, Vec<f32>) {
     let data = dataset(2, 300);
     let windows = Windows::new(&data, config).expect("flights long enough");
-    let out = folder(&format!("parity-{}", config.model.name())).join("w.safetensors");
+    let folder = folder();
+    let out = folder.path().join("w.safetensors");
     // One epoch at a rate that changes every tensor.
     run(&data, &TrainConfig { epochs: 1, learning_rate: 1e-2, ..config.clone() }, &out, false, 9)
         .expect("a training of one epoch");
@@ -192,7 +193,8 @@ fn every_baseline_learns_the_linear_system() {
     let data = dataset(2, 800);
     for model in ModelKind::ALL.into_iter().filter(|model| *model != ModelKind::Fdt) {
         let config = TrainConfig { model, epochs: 12, t_short: 1, t_long: 6, ..tiny() };
-        let out = folder(&format!("learns-{}", model.name())).join("w.safetensors");
+        let folder = folder();
+        let out = folder.path().join("w.safetensors");
         let outcome = run(&data, &config, &out, false, usize::MAX).unwrap();
         let loss = outcome.head.training.validation_loss.unwrap();
         let most = 0.2 * outcome.validation_variance;

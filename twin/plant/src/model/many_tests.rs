@@ -74,9 +74,8 @@ fn as_many_attributes_as_the_budget_allows_are_read_and_one_more_is_refused() {
 fn a_mesh_counts_as_often_as_it_is_named_and_its_triangles_are_limited() {
     use std::cell::Cell;
     use twin_input::budget::{ALL_MESH_BYTES, TRIANGLES};
-    let folder = std::env::temp_dir().join(format!("twin-many-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
-    let file = folder.join("a.obj");
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("a.obj");
     let face = "f 1 2 3\n";
     let text = |faces: usize| format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{}", face.repeat(faces));
     std::fs::write(&file, text(1)).unwrap();
@@ -90,5 +89,4 @@ fn a_mesh_counts_as_often_as_it_is_named_and_its_triangles_are_limited() {
     std::fs::write(&file, text(TRIANGLES.count() + 1)).unwrap();
     let (said, remedy) = mesh::read(&file, &Cell::default()).unwrap_err();
     assert!(said.contains("2000001 triangles") && remedy == "simplify the mesh", "{said}");
-    std::fs::remove_dir_all(folder).unwrap();
 }

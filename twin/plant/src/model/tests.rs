@@ -167,14 +167,13 @@ const PAIR: &str = r#"<robot name="pair">
 const ONE_STL: &str = "solid one\nfacet normal 0 0 1\nouter loop\nvertex 0 0 1\nvertex 1 0 1\nvertex 0 1 1\nendloop\nendfacet\nendsolid one\n";
 
 fn load_pair() -> Robot {
-    let folder = std::env::temp_dir().join(format!("twin-model-{}", std::process::id()));
+    let place = tempfile::tempdir().unwrap();
+    let folder = place.path();
     std::fs::create_dir_all(folder.join("share/m")).unwrap();
     std::fs::write(folder.join("share/m/one.stl"), ONE_STL).unwrap();
     std::fs::write(folder.join("pair.urdf"), PAIR).unwrap();
     let packages = Packages(vec![("pair".into(), folder.join("share"))]);
-    let robot = Robot::load(&folder.join("pair.urdf"), &packages);
-    std::fs::remove_dir_all(&folder).unwrap();
-    robot.unwrap()
+    Robot::load(&folder.join("pair.urdf"), &packages).unwrap()
 }
 
 #[test]

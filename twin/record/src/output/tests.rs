@@ -3,20 +3,20 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use tempfile::TempDir;
+
 use super::{OutputError, Outputs, replace};
 
 /// A folder of one test, removed when it is dropped.
-struct Folder(PathBuf);
+struct Folder(TempDir);
 
 impl Folder {
-    fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("twin-output-{}-{name}", std::process::id()));
-        std::fs::create_dir_all(&path).unwrap();
-        Self(path)
+    fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
     }
 
     fn file(&self, name: &str, text: &str) -> PathBuf {
-        let path = self.0.join(name);
+        let path = self.0.path().join(name);
         std::fs::write(&path, text).unwrap();
         path
     }
@@ -31,19 +31,13 @@ impl Folder {
     }
 }
 
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
-
 fn text(path: &Path) -> String {
     std::fs::read_to_string(path).unwrap()
 }
 
 #[test]
 fn an_existing_file_stays_unless_it_may_be_replaced() {
-    let folder = Folder::new("exists");
+    let folder = Folder::new();
     let path = folder.file("a.csv", "before");
     let error = Outputs::new(false).reserve(&path, "-o").unwrap_err();
     assert!(matches!(error, OutputError::Exists { .. }), "{error}");
@@ -57,9 +51,9 @@ fn an_existing_file_stays_unless_it_may_be_replaced() {
 #[cfg(unix)]
 #[test]
 fn an_input_is_refused_under_every_name_also_to_be_replaced() {
-    let folder = Folder::new("input");
+    let folder = Folder::new();
     let input = folder.file("f.mcap", "flight");
-    let (link, hard) = (folder.0.join("link"), folder.0.join("hard"));
+    let (link, hard) = (folder.0.path().join("link"), folder.0.path().join("hard"));
     std::os::unix::fs::symlink(&input, &link).unwrap();
     std::fs::hard_link(&input, &hard).unwrap();
     let outputs = Outputs::new(true);
@@ -76,7 +70,7 @@ fn an_input_is_refused_under_every_name_also_to_be_replaced() {
 
 #[test]
 fn an_input_that_is_named_only_after_the_output_is_still_safe() {
-    let folder = Folder::new("late");
+    let folder = Folder::new();
     let path = folder.file("mesh.stl", "solid");
     let outputs = Outputs::new(true);
     let mut sink = outputs.reserve(&path, "-o").unwrap().open().unwrap();
@@ -88,16 +82,16 @@ fn an_input_that_is_named_only_after_the_output_is_still_safe() {
 
 #[test]
 fn an_output_that_is_dropped_leaves_nothing_behind() {
-    let folder = Folder::new("dropped");
+    let folder = Folder::new();
     let outputs = Outputs::new(false);
-    let mut sink = outputs.reserve(&folder.0.join("a.csv"), "-o").unwrap().open().unwrap();
+    let mut sink = outputs.reserve(&folder.0.path().join("a.csv"), "-o").unwrap().open().unwrap();
     sink.write_all(&vec![b'x'; 100_000]).unwrap();
     assert_eq!(folder.names().len(), 1, "the temporary file");
     drop(sink);
     assert!(folder.names().is_empty(), "{:?}", folder.names());
     let panicked = std::panic::catch_unwind(|| {
         let mut sink =
-            Outputs::new(false).reserve(&folder.0.join("b"), "-o").unwrap().open().unwrap();
+            Outputs::new(false).reserve(&folder.0.path().join("b"), "-o").unwrap().open().unwrap();
         sink.write_all(b"half").unwrap();
         // A panic without the message of the hook.
         std::panic::resume_unwind(Box::new(()));
@@ -107,8 +101,8 @@ fn an_output_that_is_dropped_leaves_nothing_behind() {
 
 #[test]
 fn of_two_that_race_for_one_name_the_second_is_refused() {
-    let folder = Folder::new("race");
-    let path = folder.0.join("a.csv");
+    let folder = Folder::new();
+    let path = folder.0.path().join("a.csv");
     // Two runs: they share no state.
     let [first, second] =
         [(); 2].map(|()| Outputs::new(false).reserve(&path, "-o").unwrap().open().unwrap());
@@ -119,10 +113,10 @@ fn of_two_that_race_for_one_name_the_second_is_refused() {
 
 #[test]
 fn two_outputs_of_one_run_have_two_places() {
-    let folder = Folder::new("twice");
+    let folder = Folder::new();
     let outputs = Outputs::new(false);
-    let _first = outputs.reserve(&folder.0.join("a"), "--junit").unwrap();
-    let other_name = folder.0.join(".").join("a");
+    let _first = outputs.reserve(&folder.0.path().join("a"), "--junit").unwrap();
+    let other_name = folder.0.path().join(".").join("a");
     let error = outputs.reserve(&other_name, "--html").unwrap_err().to_string();
     assert!(error.contains("--junit") && error.contains("--html"), "{error}");
     outputs.reserve_stdout("--json").unwrap();
@@ -132,11 +126,11 @@ fn two_outputs_of_one_run_have_two_places() {
 
 #[test]
 fn a_place_that_takes_no_file_is_refused_with_a_remedy() {
-    let folder = Folder::new("unfit");
+    let folder = Folder::new();
     let outputs = Outputs::new(true);
     for (path, words) in [
-        (folder.0.clone(), ["a folder", "name a file"]),
-        (folder.0.join("no/such/a.csv"), ["takes no file", "make the folder"]),
+        (folder.0.path().to_owned(), ["a folder", "name a file"]),
+        (folder.0.path().join("no/such/a.csv"), ["takes no file", "make the folder"]),
         (folder.file("text", "x").join("a.csv"), ["takes no file", "choose"]),
     ] {
         let error = outputs.reserve(&path, "-o").unwrap_err().to_string();
@@ -149,7 +143,7 @@ fn a_place_that_takes_no_file_is_refused_with_a_remedy() {
 
 #[test]
 fn a_write_protected_file_is_not_replaced() {
-    let folder = Folder::new("protected");
+    let folder = Folder::new();
     let path = folder.file("a", "before");
     let mut permissions = std::fs::metadata(&path).unwrap().permissions();
     permissions.set_readonly(true);
@@ -163,10 +157,10 @@ fn a_write_protected_file_is_not_replaced() {
 #[test]
 fn a_replaced_file_keeps_its_permissions_and_a_link_stays_a_link() {
     use std::os::unix::fs::PermissionsExt;
-    let folder = Folder::new("kept");
+    let folder = Folder::new();
     let path = folder.file("a", "before");
     std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o600)).unwrap();
-    let link = folder.0.join("link");
+    let link = folder.0.path().join("link");
     std::os::unix::fs::symlink(&path, &link).unwrap();
     Outputs::new(true).reserve(&link, "-o").unwrap().write(b"after").unwrap();
     assert_eq!(text(&path), "after");
@@ -193,8 +187,8 @@ fn a_device_is_written_directly_and_a_full_one_is_an_error_that_names_it() {
 
 #[test]
 fn a_recording_takes_the_next_free_number_and_says_so() {
-    let folder = Folder::new("numbers");
-    let path = folder.0.join("flight.mcap");
+    let folder = Folder::new();
+    let path = folder.0.path().join("flight.mcap");
     let outputs = Outputs::new(false);
     let files = [(); 3].map(|()| outputs.recording(&path, "--record").unwrap());
     let names = files.each_ref().map(|file| file.path().file_name().unwrap().to_owned());
@@ -209,8 +203,8 @@ fn a_recording_takes_the_next_free_number_and_says_so() {
 
 #[test]
 fn only_a_finished_recording_is_replaced() {
-    let folder = Folder::new("replaced");
-    let path = folder.0.join("flight.mcap");
+    let folder = Folder::new();
+    let path = folder.0.path().join("flight.mcap");
     let growing = Outputs::new(false).recording(&path, "--record").unwrap();
     let error = Outputs::new(true).recording(&path, "--record").unwrap_err().to_string();
     assert!(error.contains("another process is recording"), "{error}");
@@ -228,12 +222,12 @@ fn only_a_finished_recording_is_replaced() {
 
 #[test]
 fn a_failed_replacement_leaves_the_file_before_it_and_nothing_else() {
-    let folder = Folder::new("replacement");
+    let folder = Folder::new();
     let path = folder.file("w.checkpoint", "before");
     replace(&path, b"after").unwrap();
     assert_eq!(text(&path), "after");
     // A folder of this name cannot be replaced by a file.
-    let taken = folder.0.join("taken");
+    let taken = folder.0.path().join("taken");
     std::fs::create_dir_all(taken.join("inside")).unwrap();
     assert!(replace(&taken, b"x").unwrap_err().is_failed_write());
     assert_eq!(folder.names(), ["taken", "w.checkpoint"]);

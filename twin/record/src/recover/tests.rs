@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, Compression, WriteOptions};
+use tempfile::TempDir;
 
 use super::*;
 
@@ -60,20 +61,24 @@ fn small(compression: Option<Compression>, chunked: bool) -> Vec<u8> {
     file.into_inner().into_inner()
 }
 
-struct Place(PathBuf);
+/// A file in a folder of its own, which is removed when it is dropped.
+struct Place {
+    folder: TempDir,
+    file: PathBuf,
+}
 
 impl Place {
     fn new(name: &str) -> Self {
-        let folder = std::env::temp_dir().join(format!("twin-recover-{}", std::process::id()));
-        std::fs::create_dir_all(&folder).unwrap();
-        Self(folder.join(name))
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join(name);
+        Self { folder, file }
     }
 
     /// Salvages `bytes`; the new file has to be one that the reference library reads with its summary.
     fn salvage(&self, bytes: &[u8], unverified: bool) -> Option<(Salvaged, Vec<Told>)> {
-        std::fs::write(&self.0, bytes).unwrap();
+        std::fs::write(&self.file, bytes).unwrap();
         let mut out = Cursor::new(Vec::new());
-        let found = match recover(&self.0, &mut out, unverified) {
+        let found = match recover(&self.file, &mut out, unverified) {
             Ok(found) => found,
             Err(RecoverError::Nothing { .. }) => return None,
             Err(error) => panic!("{error}"),
@@ -251,10 +256,11 @@ fn the_account_says_how_many_messages_are_lost_and_unverified_ones_come_on_reque
 #[test]
 fn attachments_metadata_profile_and_definitions_come_along() {
     let file = small(Some(Compression::Zstd), true);
-    let path = Place::new("extras.mcap").0;
-    std::fs::write(&path, &file[..file.len() - 50]).unwrap();
+    let place = Place::new("extras.mcap");
+    let path = &place.file;
+    std::fs::write(path, &file[..file.len() - 50]).unwrap();
     let mut out = Cursor::new(Vec::new());
-    let found = recover(&path, &mut out, false).unwrap();
+    let found = recover(path, &mut out, false).unwrap();
     assert_eq!((found.attachments, found.metadata, found.channels), (1, 1, 2));
     let out = out.into_inner();
     let summary = mcap::Summary::read(&out).unwrap().unwrap();
@@ -293,7 +299,7 @@ fn holes_text_folders_and_no_file_are_clear_errors() {
     assert!(place.salvage(b"", false).is_none());
     let refused =
         |path: &Path| recover(path, Cursor::new(Vec::new()), false).unwrap_err().to_string();
-    let folder = refused(place.0.parent().unwrap());
+    let folder = refused(place.folder.path());
     assert!(folder.contains("not a regular file"), "{folder}");
     assert!(refused(Path::new("/no/such/file.mcap")).contains("/no/such/file.mcap"));
 }

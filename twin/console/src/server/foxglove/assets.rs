@@ -77,7 +77,8 @@ mod tests {
 
     #[test]
     fn only_meshes_inside_the_folder_of_a_package_are_found() {
-        let root = std::env::temp_dir().join(format!("twin-assets-{}", std::process::id()));
+        let temporary = tempfile::tempdir().expect("a folder");
+        let root = temporary.path();
         let folder = root.join("meshes");
         std::fs::create_dir_all(folder.join("arm")).expect("a folder");
         for file in ["meshes/arm/link.STL", "meshes/notes.txt", "secret.stl"] {
@@ -112,6 +113,5 @@ mod tests {
             let error = locate(refused, &vehicle).expect_err(refused);
             assert!(error.contains("package://twin/vehicle.urdf"), "{refused}: {error}");
         }
-        std::fs::remove_dir_all(root).expect("its own folder");
     }
 }
