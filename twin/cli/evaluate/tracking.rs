@@ -55,10 +55,11 @@ pub(super) struct TrackingArgs {
 }
 
 /// Name of a line and the overrides that make it.
-const ROWS: [(&str, &[&str]); 6] = [
+const ROWS: [(&str, &[&str]); 7] = [
     ("pid", &["controller.kind=pid"]),
     ("l1", &["controller.kind=l1"]),
     ("tdc", &["predictor.kind=persistence"]),
+    ("oracle", &["predictor.kind=oracle"]),
     ("random_features", &["predictor.kind=random_features"]),
     ("fdt", &["predictor.kind=fdt", "gains.adapter_on=0"]),
     ("fdt_lra", &["predictor.kind=fdt"]),

@@ -3,6 +3,7 @@
 use nalgebra::{Vector2, Vector3};
 
 use crate::elementary::sin;
+use crate::foreseen::Foreseen;
 use crate::notation::{Coords, TICK_S};
 use crate::tick::{
     ActuatorCommand, Adaptation, Adapted, Contact, ControlState, Event, EventKind, Forecast,
@@ -116,6 +117,15 @@ pub fn tick(index: u64) -> Tick {
             attention: Vec::new(),
         },
         adapted: adapted(index),
+        foreseen: Some(Foreseen {
+            lead_s: Coords::repeat(0.1),
+            r_hat: coords(index, 70).into(),
+            trust: Coords::repeat(0.75),
+            used: coords(index, 71).into(),
+            error: coords(index, 72).into(),
+            std: coords(index, 73).into(),
+            std_now: coords(index, 74).into(),
+        }),
         control: ControlState {
             error: coords(index, 50).into(),
             sliding: coords(index, 51).into(),

@@ -15,7 +15,9 @@ pub use saturation::LONG_S as LONG_SATURATION_S;
 pub use schedule::{Condition, Trigger};
 
 use crate::control::Input;
+use crate::foreseen::Foreseen;
 use crate::notation::{Coords, KnownCoords, MAX_ROTORS, TICK_S};
+use crate::residual::foresight::Foresight;
 use crate::residual::{History, Predictor, label};
 use crate::source::Disturbance;
 use crate::task::View;
@@ -38,6 +40,7 @@ pub struct Flight {
     schedule: Schedule,
     history: History,
     stand_ins: StandIns,
+    foresight: Foresight,
     index: u64,
     setpoint: Setpoint,
     last_good: Option<Measurement>,
@@ -59,6 +62,7 @@ impl Flight {
             schedule: Schedule::new(timed, std::mem::take(&mut parts.triggers)),
             history: History::new(parts.history_len),
             stand_ins: StandIns::new(),
+            foresight: Foresight::default(),
             index: 0,
             setpoint: parts.setpoint,
             last_good: None,
@@ -188,7 +192,10 @@ impl Flight {
         }
         let frozen = reference.adaptation == Adaptation::Held || self.fault.is_some();
         let adapted = self.parts.adapter.step(&forecast, &residual, dt_s, frozen, &tuning.adapter);
-        let r_hat = usable(&adapted, &nominal_gravity);
+        let lead_s = self.parts.delays.lead(&tuning.gains);
+        let judged = reference.adaptation == Adaptation::Free && self.fault.is_none();
+        let foreseen = self.foresight.step(&forecast, &adapted, &residual, &lead_s, dt_s, judged);
+        let r_hat = usable(&foreseen.used, &nominal_gravity);
         done(Stage::Adapt);
         // Lines 9 to 11: control.
         let (measured, asked) = stand_ins::for_control(measurement, &reference, &nominal_gravity);
@@ -205,7 +212,7 @@ impl Flight {
         self.accept(&setpoint);
         let control = stand_ins::as_known(control, measurement, &reference);
         done(Stage::Control);
-        Outer { residual, forecast, adapted, control }
+        Outer { residual, forecast, adapted, foreseen, control }
     }
 
     /// Replaces a non-finite measurement by the last finite one. Sets a fault for it, and for commands of the inner controller that were
@@ -292,7 +299,7 @@ impl Flight {
     }
 
     fn record(&mut self, measurement: Measurement, outer: Outer, step: crate::task::Step) -> Tick {
-        let Outer { residual, forecast, adapted, control } = outer;
+        let Outer { residual, forecast, adapted, foreseen, control } = outer;
         let mut events = std::mem::take(&mut self.notes);
         events.extend(step.events);
         events.extend(self.saturation.step(measurement.saturated));
@@ -320,6 +327,7 @@ impl Flight {
             residual,
             forecast,
             adapted,
+            foreseen: Some(foreseen),
             control,
             setpoint: self.setpoint,
             actuators: self.actuators,
@@ -340,6 +348,7 @@ struct Outer {
     residual: KnownCoords,
     forecast: Forecast,
     adapted: Adapted,
+    foreseen: Foreseen,
     control: ControlState,
 }
 
@@ -352,10 +361,10 @@ impl Outer {
     }
 }
 
-/// The adapted estimate, with nominal gravity in the coordinates whose residual is unknown; nominal gravity alone if the estimate is not
-/// finite. N and N m.
-fn usable(adapted: &Adapted, nominal_gravity: &Coords) -> Coords {
-    if adapted.r_hat.is_finite() { adapted.r_hat.or(nominal_gravity) } else { *nominal_gravity }
+/// The estimate, with nominal gravity in the coordinates whose residual is unknown; nominal gravity alone if the estimate is not finite.
+/// N and N m.
+fn usable(r_hat: &KnownCoords, nominal_gravity: &Coords) -> Coords {
+    if r_hat.is_finite() { r_hat.or(nominal_gravity) } else { *nominal_gravity }
 }
 
 /// FNV-1a, 64 bit.

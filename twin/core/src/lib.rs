@@ -9,6 +9,7 @@ pub mod normal;
 pub mod notation;
 pub mod quantity;
 pub mod force_budget;
+pub mod foreseen;
 pub mod tick;
 pub mod source;
 pub mod filter;

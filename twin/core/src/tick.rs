@@ -9,6 +9,7 @@ use nalgebra::{Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
 use crate::force_budget::ForceBudget;
+use crate::foreseen::Foreseen;
 use crate::notation::{Coords, KnownCoords, KnownMask, PerRotor, known_in_both};
 
 /// Measurement of one control period: the input of every stage after the source.
@@ -371,6 +372,9 @@ pub struct Tick {
     pub forecast: Forecast,
     /// Adapted forecast.
     pub adapted: Adapted,
+    /// The residual at the loop's delay; `None` in recordings that were made before this field existed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub foreseen: Option<Foreseen>,
     /// Internal values of the controller.
     pub control: ControlState,
     /// Set-point of the inner controller until the next tick.

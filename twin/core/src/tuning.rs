@@ -108,6 +108,7 @@ impl Tuning {
                 label: format!("{letter} {}", symbol(row)),
                 quantity: match (stem, index) {
                     ("slope", _) => &quantity::SLOPE,
+                    ("lead", _) => &quantity::LEAD,
                     (_, 0..3) => &quantity::DAMPING_OF_TRANSLATION,
                     _ => &quantity::DAMPING_OF_ROTATION,
                 },
@@ -121,6 +122,7 @@ impl Tuning {
         });
         rows("slope", "Φ error slope", "Φ")
             .chain(rows("damping", "Λ damping", "Λ"))
+            .chain(rows("lead", "Lead of r̂", "d"))
             .chain(scalars)
             .collect()
     }
@@ -159,6 +161,7 @@ impl Tuning {
         let row = COORDINATE_NAMES.iter().position(|known| *known == row)?;
         match stem {
             "slope" => Some(Slot::Number(&mut self.gains.slope[row])),
+            "lead" => Some(Slot::Number(&mut self.gains.lead[row])),
             "damping" => Some(Slot::Number(&mut self.gains.damping[row])),
             _ => None,
         }

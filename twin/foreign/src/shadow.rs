@@ -12,7 +12,7 @@ use serde::Serialize;
 use super::shadow_score::{Score, Scored};
 use crate::playback::{Cursor, Playback};
 use crate::{OpenedFlight, RecordedFlight, RecordedSource};
-use twin_core::control::{Adaptive, Allocation, Gains, InnerController, Preset, Rotor};
+use twin_core::control::{Adaptive, Allocation, Gains, InnerController, LoopDelays, Preset, Rotor};
 use twin_core::elementary::squared;
 use twin_core::filter::LowPass;
 use twin_core::flight::{Flight, Parts};
@@ -171,6 +171,8 @@ impl Shadow {
             tuning: *tuning,
             schedule: Vec::new(),
             triggers: Vec::new(),
+            // A shadow commands nothing, so only its estimate is late.
+            delays: LoopDelays::default(),
             history_len: HISTORY_LEN,
             outer_divisor: 1,
         }

@@ -20,13 +20,11 @@ use super::setup::{BuiltWorld, Start, rig};
 use super::wind::{Wind, WindNow};
 use super::{Articulation, PlantError, PlantSettings, STEP_S, STEPS_PER_TICK};
 use crate::model::{Robot, Statics};
+use twin_core::control::delays::RESIDUAL_CORNER_HZ;
 use twin_core::elementary::{atan2, squared};
 use twin_core::filter::Butterworth;
 use twin_core::notation::{Coords, GRAVITY_M_S2, MAX_ROTORS, N, body_rate_from_euler_rate};
 use twin_core::tick::{ActuatorCommand, PayloadReading, Setpoint};
-
-/// Corner of the filter pair `H` on acceleration and applied force, Hz: the optimum between noise and lag.
-const RESIDUAL_CORNER_HZ: f64 = 8.0;
 
 /// Separates the random numbers of the command link from those of wind and sensors.
 const LINK_STREAM: u64 = 0x1117_0c0d;

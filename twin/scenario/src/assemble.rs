@@ -8,8 +8,8 @@ use super::mission::{joints, task};
 use super::settings::{ControllerKind, PredictorKind, Settings, StartKind, TaskKind, Units};
 use super::{BuildError, Scenario, failures, trained};
 use twin_core::control::{
-    Adaptive, Allocation, Controller, Excited, Gains, InnerController, L1, L1Settings, Multisine,
-    Pid, Preset, Rotor,
+    Adaptive, Allocation, Controller, Excited, Gains, InnerController, L1, L1Settings, LoopDelays,
+    Multisine, Pid, Preset, Rotor,
 };
 use twin_core::flight::Parts;
 use twin_core::notation::{Coords, GRAVITY_M_S2};
@@ -106,6 +106,7 @@ pub(super) fn parts(scenario: &Scenario) -> Result<Parts, BuildError> {
         schedule,
         triggers,
         setpoint,
+        delays: delays(settings),
         history_len,
         outer_divisor: u64::from(settings.controller.outer_divisor.max(1)),
     })
@@ -219,7 +220,8 @@ fn predictor(
         PredictorKind::Fdt | PredictorKind::Trained => trained::predictor(scenario, tuning)?,
         PredictorKind::None => Box::new(ZeroPredictor),
         PredictorKind::Gravity => Box::new(Gravity::new(gravity())),
-        PredictorKind::Persistence => Box::new(Persistence),
+        // An oracle rehearses with persistence.
+        PredictorKind::Persistence | PredictorKind::Oracle => Box::new(Persistence),
         PredictorKind::Bias => Box::new(Bias::new(gravity())),
         PredictorKind::RandomFeatures => Box::new(RandomFeatures::new(
             gravity(),
@@ -227,6 +229,15 @@ fn predictor(
             settings.predictor.seed,
         )),
     })
+}
+
+/// The delays of the loop as they are modelled: the true lag of a rotor is not known to the controller.
+fn delays(settings: &Settings) -> LoopDelays {
+    let vehicle = &settings.vehicle;
+    LoopDelays {
+        rotors_s: vehicle.rotor.delay_s + vehicle.rotor.modelled_lag_s,
+        joints_s: vehicle.joint_delay_s,
+    }
 }
 
 fn controller(settings: &Settings) -> Box<dyn Controller> {
@@ -269,7 +280,8 @@ pub(super) fn tuning(settings: &Settings) -> Result<Tuning, TuningError> {
     if let Some(law) = gains.inner_law {
         tuning.gains.inner_law = law;
     }
-    for (stem, values) in [("slope", gains.slope), ("damping", gains.damping)] {
+    let rows = [("slope", gains.slope), ("damping", gains.damping), ("lead", gains.lead)];
+    for (stem, values) in rows {
         for (row, value) in
             twin_core::notation::COORDINATE_NAMES.iter().zip(values.iter().flatten())
         {

@@ -23,6 +23,7 @@ mod mission;
 mod assemble;
 pub mod scene;
 pub mod run;
+mod rehearsal;
 mod parallel;
 #[cfg(feature = "suite")]
 pub mod collect;
@@ -137,7 +138,7 @@ impl Scenario {
     /// # Errors
     /// The errors of [`Scenario::build`].
     pub fn parts(&self) -> Result<Parts, BuildError> {
-        assemble::parts(self)
+        rehearsal::parts(self)
     }
 
     /// The vehicle as its URDF describes it.

@@ -2,7 +2,8 @@
 //!
 //! `e8` is the norm of the tracking error in m and rad: true position, yaw and joints against the reference, roll and pitch against the
 //! command filter. `rms_error_e8` covers every tick from 2 s on; `rms_error_e8_transport` covers the ticks with the payload in the gripper,
-//! from lift-off to touchdown.
+//! from lift-off to touchdown. `position_rmse_settled_m` covers every tick from 8 s on: a path alone begins with the payload in the
+//! gripper, and its weight kicks the vehicle, whose estimate starts empty.
 
 use std::collections::BTreeMap;
 
@@ -15,6 +16,9 @@ use twin_core::notation::{COORDINATE_NAMES, Coords, N, tracking_error};
 use twin_core::residual::NOMINAL_SCALE;
 use twin_core::tick::{EventKind, Tick};
 
+/// Time from which a path alone is settled, s.
+const SETTLED_S: f64 = 8.0;
+
 /// Accumulates the metrics of one flight.
 #[derive(Clone, Debug, Default)]
 pub struct Metrics {
@@ -22,6 +26,7 @@ pub struct Metrics {
     e8_transport: Rms,
     position: Rms,
     position_transport: Rms,
+    position_settled: Rms,
     rows: [Rms; N],
     prediction: [Rms; N],
     persistence: [Rms; N],
@@ -83,6 +88,9 @@ impl Metrics {
         let position_squared = e.fixed_rows::<3>(0).norm_squared();
         self.e8.add(e.norm_squared());
         self.position.add(position_squared);
+        if tick.measurement.t_s >= SETTLED_S {
+            self.position_settled.add(position_squared);
+        }
         for (rms, value) in self.rows.iter_mut().zip(&e) {
             rms.add(value * value);
         }
@@ -142,6 +150,7 @@ impl Metrics {
         put("rms_error_e8", self.e8.value());
         put("rms_error_e8_transport", self.e8_transport.value());
         put("position_rmse_m", self.position.value());
+        put("position_rmse_settled_m", self.position_settled.value());
         put("position_rmse_transport_m", self.position_transport.value());
         for (row, rms) in COORDINATE_NAMES.iter().zip(&self.rows) {
             let unit = if matches!(*row, "x" | "y" | "z") { "m" } else { "rad" };

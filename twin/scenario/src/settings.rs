@@ -209,6 +209,8 @@ pub enum PredictorKind {
     Gravity,
     /// The last residual (time-delay control).
     Persistence,
+    /// The residual of rehearsals of the same flight: the upper bound that no method reaches.
+    Oracle,
     /// Gravity and an adapted offset.
     Bias,
     /// Gravity and adapted random features.
@@ -298,6 +300,8 @@ pub struct GainSettings {
     pub slope: Option<[f64; 8]>,
     /// Damping per coordinate.
     pub damping: Option<[f64; 8]>,
+    /// Share of the loop's delay by which the compensation looks ahead, per coordinate.
+    pub lead: Option<[f64; 8]>,
     /// Every other parameter by its name in the registry of [`twin_core::tuning::Tuning`].
     #[serde(flatten)]
     pub scalars: BTreeMap<String, f64>,

@@ -20,7 +20,7 @@ pub(super) fn text(published: &Published) -> String {
     );
     let values: BTreeMap<&str, f64> =
         published.gains.iter().map(|gain| (gain.name.as_str(), gain.value)).collect();
-    for stem in ["slope", "damping"] {
+    for stem in ["slope", "damping", "lead"] {
         let row = |row: &&str| values.get(format!("{stem}.{row}").as_str()).copied();
         let all: Option<Vec<String>> =
             COORDINATE_NAMES.iter().map(|r| row(r).map(number)).collect();

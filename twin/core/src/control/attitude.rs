@@ -9,6 +9,9 @@ const COMMAND_FILTER_RAD_S: f64 = 15.0;
 /// Damping ratio of the command filter.
 const COMMAND_FILTER_ZETA: f64 = 0.9;
 
+/// Delay with which the command filter follows a slow command, `2 zeta / w`, s.
+pub const COMMAND_FILTER_DELAY_S: f64 = 2.0 * COMMAND_FILTER_ZETA / COMMAND_FILTER_RAD_S;
+
 /// Roll and pitch, each up to `limit_rad`, that point the body z axis along `force_in_world` at heading `yaw`, rad.
 pub fn tilt_from_force(force_in_world: &Vector3<f64>, yaw: f64, limit_rad: f64) -> (f64, f64) {
     let norm = force_in_world.norm();

@@ -9,6 +9,9 @@ use crate::tick::{InnerGains, InnerLaw};
 /// Nominal inertia `M_bar` of the paper's controller table: baked into every residual, so the same in all presets, kg and kg m².
 pub const NOMINAL_INERTIA: [f64; 8] = [2.0, 2.0, 2.0, 0.02, 0.02, 0.02, 0.05, 0.05];
 
+/// Share of the delay by which the `tuned` preset looks ahead.
+const TUNED_LEAD: [f64; 8] = [1.0; 8];
+
 /// Named starting points of [`Gains`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -17,7 +20,7 @@ pub enum Preset {
     Literal,
     /// The table with the protections: `r_hat` low-pass, boundary layer, caps and clips.
     Paper,
-    /// `Paper` with translation `Lambda` × 3 and `Phi` × √3.
+    /// `Paper` with translation `Lambda` × 3, `Phi` × √3, and a compensation that looks ahead.
     #[default]
     Tuned,
 }
@@ -32,6 +35,9 @@ pub struct Gains {
     pub damping: Coords,
     /// Nominal inertia `M_bar`, kg and kg m².
     pub nominal_inertia: Coords,
+    /// Share of the loop's delay by which the compensation looks ahead, per coordinate ([`super::LoopDelays`]); 0 compensates the
+    /// estimate of now, as the paper does.
+    pub lead: Coords,
     /// Leak `nu` of the adaptive gain, 1/s.
     pub leak: f64,
     /// Adaptive gain at the start, `sigma_hat(0)`.
@@ -70,6 +76,7 @@ impl Gains {
             slope: Coords::from([1.0, 1.0, 1.5, 1.1, 1.1, 1.0, 1.2, 1.2]),
             damping: Coords::from([2.0, 2.0, 3.5, 1.5, 1.5, 1.2, 3.0, 3.0]),
             nominal_inertia: Coords::from(NOMINAL_INERTIA),
+            lead: Coords::zeros(),
             leak: 2.0,
             robust_gain_initial: 0.1,
             robust_gain_cap: f64::MAX,
@@ -92,6 +99,7 @@ impl Gains {
             Preset::Paper => paper,
             Preset::Tuned => {
                 let mut tuned = paper;
+                tuned.lead = Coords::from(TUNED_LEAD);
                 for row in 0..3 {
                     tuned.damping[row] *= 3.0;
                     tuned.slope[row] *= 3.0_f64.sqrt();
@@ -102,13 +110,15 @@ impl Gains {
     }
 }
 
-/// [`Gains`] as recordings store them. Older recordings do not contain the switch of the low-pass, which was off from 50 Hz on, and used
-/// the default safe set.
+/// [`Gains`] as recordings store them. Older recordings do not contain the switch of the low-pass, which was off from 50 Hz on, used
+/// the default safe set, and looked not ahead.
 #[derive(Deserialize)]
 struct Recorded {
     slope: Coords,
     damping: Coords,
     nominal_inertia: Coords,
+    #[serde(default = "Coords::zeros")]
+    lead: Coords,
     leak: f64,
     robust_gain_initial: f64,
     robust_gain_cap: f64,
@@ -128,6 +138,7 @@ impl From<Recorded> for Gains {
             slope: recorded.slope,
             damping: recorded.damping,
             nominal_inertia: recorded.nominal_inertia,
+            lead: recorded.lead,
             leak: recorded.leak,
             robust_gain_initial: recorded.robust_gain_initial,
             robust_gain_cap: recorded.robust_gain_cap,

@@ -2,6 +2,7 @@
 //! inner controller turns it into rotor thrusts and joint torques at 500 Hz.
 
 pub mod gains;
+pub mod delays;
 pub mod compensation;
 pub mod adaptive;
 pub mod pid;
@@ -19,6 +20,7 @@ use crate::tick::{ControlState, Measurement, Reference, Setpoint};
 
 pub use adaptive::Adaptive;
 pub use allocation::{Allocation, Rotor};
+pub use delays::LoopDelays;
 pub use excited::{Excited, Multisine};
 pub use gains::{Gains, Preset};
 pub use inner::InnerController;

@@ -1,7 +1,7 @@
 //! The parts from which a flight is assembled, and the stages of its tick. In and out: plain values; no state.
 
 use super::Trigger;
-use crate::control::{Controller, InnerController};
+use crate::control::{Controller, InnerController, LoopDelays};
 use crate::residual::lra::Adapter;
 use crate::residual::{GravityModel, Predictor};
 use crate::source::{Disturbance, Source};
@@ -33,7 +33,7 @@ pub enum Stage {
 ///
 /// ```
 /// # use nalgebra::Vector3;
-/// # use twin_core::control::{Allocation, Controller, Gains, InnerController, Input, Preset, Rotor};
+/// # use twin_core::control::{Allocation, Controller, Gains, InnerController, Input, LoopDelays, Preset, Rotor};
 /// # use twin_core::residual::{HORIZON, History, NOMINAL_SCALE, Predictor, lra};
 /// # use twin_core::task::motion::{Motion, Posture};
 /// # use twin_core::task::{Step, Task, View};
@@ -96,6 +96,7 @@ pub enum Stage {
 ///     schedule: Vec::new(),
 ///     triggers: Vec::new(),
 ///     setpoint,
+///     delays: LoopDelays::default(),
 ///     history_len: 1,
 ///     outer_divisor: 1,
 /// });
@@ -128,6 +129,8 @@ pub struct Parts {
     pub triggers: Vec<Trigger>,
     /// The set-point before the first measurement.
     pub setpoint: Setpoint,
+    /// Delays of the loop, which the compensation looks ahead over.
+    pub delays: LoopDelays,
     /// Length of the history for the predictor, ticks.
     pub history_len: usize,
     /// Period of residual, adapter and control law, ticks (1 is 100 Hz).

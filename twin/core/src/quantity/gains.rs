@@ -32,6 +32,16 @@ pub static DAMPING_OF_ROTATION: Quantity = Quantity::new(
 )
 .step(0.05);
 
+/// Lead of the compensation.
+pub static LEAD: Quantity = Quantity::new(
+    "lead",
+    "",
+    [0.0, 2.0],
+    "share of the loop's delay by which the compensation looks ahead; 0 is the paper's",
+    &["gains.lead.*"],
+)
+.step(0.05);
+
 /// Leak of the adaptive gain.
 pub static LEAK: Quantity =
     Quantity::new("leak", "1/s", [0.1, 20.0], "leak of the adaptive gain σ̂", &["gains.leak"])
@@ -148,10 +158,11 @@ pub static ADAPTER_ON: Quantity = Quantity::new(
 .step(1.0);
 
 /// All quantities of this file.
-pub(super) static ALL: [&Quantity; 15] = [
+pub(super) static ALL: [&Quantity; 16] = [
     &SLOPE,
     &DAMPING_OF_TRANSLATION,
     &DAMPING_OF_ROTATION,
+    &LEAD,
     &LEAK,
     &ROBUST_GAIN_INITIAL,
     &ROBUST_GAIN_CAP,

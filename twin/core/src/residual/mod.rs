@@ -6,8 +6,10 @@
 pub mod label;
 pub mod history;
 pub mod lra;
+pub mod foresight;
 pub mod gravity;
 pub mod persistence;
+pub mod oracle;
 pub mod random_features;
 mod scaling;
 pub mod weights;
@@ -28,11 +30,12 @@ pub use failing::Failing;
 pub use fdt::Fdt;
 pub use gravity::{Bias, Gravity, ZeroPredictor};
 pub use history::History;
+pub use oracle::Oracle;
 pub use persistence::Persistence;
 pub use random_features::RandomFeatures;
 
 /// Horizon `k` of a forecast: `j = 0..=k`.
-pub const HORIZON: usize = 6;
+pub const HORIZON: usize = 25;
 
 /// A predictor forecasts the residual from the history; it is deterministic and never fails.
 ///
