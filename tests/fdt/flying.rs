@@ -16,7 +16,9 @@ use super::made;
 /// Weights that forecast a constant: all are zero except for the mean of the residual, which carries a hovering vehicle.
 fn carrying(m_bar: &[f64]) -> Weights {
     let mut weights = made::weights(&FdtConfig::SMALL, 9);
-    for name in ["decoder.readout.out.weight", "decoder.readout.out.bias"] {
+    for name in
+        ["decoder.readout.out.weight", "decoder.readout.out.bias", "skip.weight", "skip.bias"]
+    {
         weights.tensors.get_mut(name).expect(name).values.fill(0.0);
     }
     weights.head.m_bar = m_bar.to_vec();
@@ -83,7 +85,7 @@ fn the_history_is_z_scored_masked_and_held_at_its_start() {
     );
     assert_eq!(short, fdt.predict(&filled(1.0, 120, 77.0)), "x is masked");
     assert_ne!(short, fdt.predict(&filled(1.5, 120, 0.0)), "the oldest entry counts");
-    assert_eq!((short.base.len(), short.regime.len()), (7, 32));
+    assert_eq!((short.base.len(), short.regime.len()), (26, 32));
     assert!((short.attention.iter().sum::<f64>() - 1.0).abs() < 1e-5, "shares of one");
 }
 
@@ -118,7 +120,9 @@ fn weights_fly_with_the_adapter_and_their_attention_is_recorded_and_replayed() {
 fn the_weights_it_ships_are_accepted_and_fly_the_default_mission() {
     let shipped = Weights::from_bytes(SHIPPED).expect("they are whole");
     assert!(shipped.head.acceptance.passed(), "{}", shipped.head.acceptance);
-    assert_eq!(FdtConfig::of(&shipped.head).expect("a configuration"), FdtConfig::SMALL);
+    // They are of the architecture without the linear path.
+    let without = FdtConfig { horizon: 6, t_skip: 0, ..FdtConfig::SMALL };
+    assert_eq!(FdtConfig::of(&shipped.head).expect("a configuration"), without);
     assert!(SHIPPED.len() <= 1_000_000, "{} bytes", SHIPPED.len());
     let default = scenario("a_300g_slow", &[]);
     let tick = default.build().expect("it is accepted").tick();

@@ -130,6 +130,7 @@ pub(crate) fn odd(seed: u64) -> FdtConfig {
         d_k: chance.size(40),
         layers: chance.size(3),
         horizon: chance.size(7) - 1,
+        t_skip: if seed.is_multiple_of(2) { 0 } else { chance.size(t_long) },
         ..FdtConfig::SMALL
     }
 }

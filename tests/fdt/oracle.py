@@ -83,7 +83,10 @@ def forward(config, t, x):
     y = encoded + linear(hidden, t, "decoder.ffn.out")
     pooled = y[:-1].mean(axis=0) if len(y) > 1 else np.zeros(d)
     hidden = gelu(linear(np.concatenate([pooled, y[-1]]), t, "decoder.readout.hidden"))
-    return linear(hidden, t, "decoder.readout.out"), regime, attention
+    residual = linear(hidden, t, "decoder.readout.out")
+    if config.get("t_skip", 0):
+        residual = residual + linear(x[:, -config["t_skip"] :].reshape(-1), t, "skip")
+    return residual, regime, attention
 
 
 def main():

@@ -54,7 +54,7 @@ fn a_byte_that_was_changed_never_ends_in_a_panic() {
 
 #[test]
 fn what_the_head_says_must_be_usable() {
-    let cases: [Slip; 13] = [
+    let cases: [Slip; 14] = [
         ("head format 2, this program reads 1", |head| head.format = 2),
         ("model \"lstm\", expected \"fdt\"", |head| head.model = "lstm".into()),
         ("input_std[3] is 0, expected a finite value above 0", |head| {
@@ -75,6 +75,7 @@ fn what_the_head_says_must_be_usable() {
             head.config["heads"] = 5.into();
         }),
         ("config.t_short is 121, expected 1..=120", |head| head.config["t_short"] = 121.into()),
+        ("config.t_skip is 121, expected 0..=120", |head| head.config["t_skip"] = 121.into()),
         ("config.channels is 25, expected 24", |head| head.config["channels"] = 25.into()),
         ("missing field `d_k`", |head| {
             head.config.as_object_mut().unwrap().remove("d_k");

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use twin_core::residual::weights::ModelKind;
-use twin_lab::learn::config::TrainConfig;
+use twin_lab::learn::config::{Architecture, TrainConfig};
 use twin_record::Outputs;
 #[cfg(feature = "train")]
 use twin_record::output::{Output, make_folder, note};
@@ -19,7 +19,7 @@ use one::one;
 
 const HELP: &str = "\
 What it does: reads the flights, cuts them into windows of 1.2 s, and fits a model that forecasts the residual of the next
-0, 10 … 60 ms. The last 15 % of each flight are held back; training ends when the loss there stops falling. Ticks in contact
+0, 10 … 250 ms. The last 15 % of each flight are held back; training ends when the loss there stops falling. Ticks in contact
 are not learned from. The file that comes out flies: `twin fly --set predictor.kind=fdt --set predictor.weights=FILE`.
 
 A forecast of the mean has a loss of about 1; R² is about 1 minus the loss. Ctrl+C loses only the present epoch: resume with --resume.
@@ -32,7 +32,9 @@ Examples:
   twin train out/data --config paper --device gpu             the same on a graphics processor
   twin train out/data --config mine.toml --epochs 10          own settings; `--print-config` shows every key
   twin train out/data --without long-memory                   an ablation, trained anew
+  twin train out/data --architecture paper                    the network without its linear path
   twin train out/data --model lstm                            a baseline of the tables
+  twin train out/data --model ridge                           the line of best fit, in closed form: seconds
   twin train out/data --all --out weights/                    the FDT and every baseline, into a folder";
 
 #[derive(Args)]
@@ -53,6 +55,10 @@ pub(super) struct TrainArgs {
     /// Train the FDT and every baseline, one after the other.
     #[arg(long, conflicts_with = "model")]
     all: bool,
+    /// Architecture of the FDT: the paper's network, or the same with a linear path beside it that starts at the line of best fit
+    /// [default: that of the configuration].
+    #[arg(long, value_parser = architecture_parser(), value_name = "paper|skip")]
+    architecture: Option<Architecture>,
     /// Leave a part of the FDT out (repeatable).
     #[arg(long, value_enum, value_name = "PART")]
     without: Vec<Part>,
@@ -98,6 +104,14 @@ const WEIGHTS: &str = "out/weights";
 fn model_parser() -> impl TypedValueParser<Value = ModelKind> {
     PossibleValuesParser::new(ModelKind::ALL.map(ModelKind::name))
         .try_map(|word| ModelKind::named(&word).ok_or("no such model"))
+}
+
+/// Parses the name of an architecture.
+fn architecture_parser() -> impl TypedValueParser<Value = Architecture> {
+    let all = [Architecture::Paper, Architecture::Skip];
+    PossibleValuesParser::new(all.map(Architecture::name)).try_map(move |word| {
+        all.into_iter().find(|one| one.name() == word).ok_or("no such architecture")
+    })
 }
 
 /// Part of the FDT that an ablation leaves out.
@@ -162,6 +176,7 @@ fn jobs(args: &TrainArgs) -> anyhow::Result<Vec<Job>> {
     let job = |kind: ModelKind| -> anyhow::Result<Job> {
         let mut config = base.clone().of(kind);
         config.epochs = args.epochs.unwrap_or(config.epochs);
+        config.architecture = args.architecture.unwrap_or(config.architecture);
         config.global_token &= !args.without.contains(&Part::GlobalToken);
         config.short_horizon &= !args.without.contains(&Part::ShortHorizon);
         config.long_memory &= !args.without.contains(&Part::LongMemory);
@@ -169,10 +184,14 @@ fn jobs(args: &TrainArgs) -> anyhow::Result<Vec<Job>> {
         if kind != ModelKind::Fdt && !args.without.is_empty() {
             anyhow::bail!("--without takes parts of the FDT; {} has none of them", kind.name());
         }
-        let stem = args
-            .without
-            .iter()
-            .fold(kind.name().to_owned(), |stem, part| format!("{stem}_without_{}", part.word()));
+        if kind != ModelKind::Fdt && !args.all && args.architecture.is_some() {
+            anyhow::bail!("--architecture is of the FDT; {} has only one", kind.name());
+        }
+        let chosen = args.architecture.filter(|_| kind == ModelKind::Fdt);
+        let named = chosen.map_or_else(String::new, |one| format!("_{}", one.name()));
+        let stem = args.without.iter().fold(format!("{}{named}", kind.name()), |stem, part| {
+            format!("{stem}_without_{}", part.word())
+        });
         let file = format!("{stem}.safetensors");
         let out = match (&folder, &args.out) {
             (Some(folder), _) => folder.join(file),

@@ -28,6 +28,9 @@ pub(super) struct AblationArgs {
     /// Weights trained without the long memory.
     #[arg(long, value_name = "FILE")]
     without_long_memory: Option<PathBuf>,
+    /// Weights trained without the linear path: `twin train --architecture paper`.
+    #[arg(long, value_name = "FILE")]
+    without_skip: Option<PathBuf>,
     /// Scenario that the full model flies; the paper's is B with 500 g at 1 m/s.
     #[arg(long, value_name = "FILE", default_value = "scenarios/b_500g_fast.toml")]
     scenario: PathBuf,
@@ -40,10 +43,23 @@ pub(super) struct AblationArgs {
     overrides: Overrides,
 }
 
+impl AblationArgs {
+    /// The file of each of [`VARIANTS`], in their order; `None` where the command names none.
+    fn files(&self) -> [Option<&PathBuf>; VARIANTS.len()] {
+        [
+            Some(&self.full),
+            Some(&self.full),
+            self.without_global_token.as_ref(),
+            self.without_short_horizon.as_ref(),
+            self.without_long_memory.as_ref(),
+            self.without_skip.as_ref(),
+        ]
+    }
+}
+
 pub(super) fn run(args: &AblationArgs) -> anyhow::Result<End> {
-    let parts =
-        [&args.without_global_token, &args.without_short_horizon, &args.without_long_memory];
-    let weights = parts.into_iter().flatten().chain([&args.full]).cloned();
+    let files = args.files();
+    let weights = files.into_iter().flatten().cloned();
     let places = args.output.reserve(weights.chain(inputs_of([&args.scenario])))?;
     let full = read_weights(&args.full)?;
     let whole = std::fs::canonicalize(&args.full)?;
@@ -65,13 +81,6 @@ pub(super) fn run(args: &AblationArgs) -> anyhow::Result<End> {
     }
     let scenario = scenario.context("--seeds 0: there is nothing to fly")?;
     let statistics = statistics(&full);
-    let files = [
-        Some(&args.full),
-        Some(&args.full),
-        args.without_global_token.as_ref(),
-        args.without_short_horizon.as_ref(),
-        args.without_long_memory.as_ref(),
-    ];
     let mut rows: Vec<Variant> = Vec::new();
     for ((name, paper), file) in VARIANTS.into_iter().zip(files) {
         let Some(file) = file else { continue };
@@ -87,7 +96,7 @@ pub(super) fn run(args: &AblationArgs) -> anyhow::Result<End> {
             rmse_z_by_horizon: by_horizon,
             r2,
             delta_percent: change(rmse_z, reference),
-            paper: [paper, change(paper, VARIANTS[0].1)],
+            paper: paper.zip(VARIANTS[0].1).map(|(paper, full)| [paper, change(paper, full)]),
         });
     }
     let outputs =
@@ -113,10 +122,14 @@ fn print_rows(out: &mut dyn Write, args: &AblationArgs, rows: &[Variant]) -> io:
             "a priori, z-scored", "RMSE", "R²", "Δ %", "paper", "Δ %"
         )?;
         for row in rows {
+            let paper = row.paper.map_or_else(
+                || format!("{:>8} {:>8}", "-", "-"),
+                |[rmse, change]| format!("{rmse:8.3} {change:+8.1}"),
+            );
             writeln!(
                 out,
-                "{:24} {:8.3} {:8.3} {:+8.1}   {:8.3} {:+8.1}",
-                row.name, row.rmse_z, row.r2, row.delta_percent, row.paper[0], row.paper[1]
+                "{:24} {:8.3} {:8.3} {:+8.1}   {paper}",
+                row.name, row.rmse_z, row.r2, row.delta_percent
             )?;
         }
         writeln!(out, "\n{}", super::command())?;

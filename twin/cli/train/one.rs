@@ -17,10 +17,10 @@ fn train_with_bar(
     let mut observe = |progress: Progress| {
         let per_epoch = progress.steps.1 as u64;
         if let Some(record) = progress.finished {
-            let line = format!("validation {:.4}", record.validation_loss);
+            let line = format!("validation {:.5}", record.validation_loss);
             bar.suspend(|| {
                 note(format_args!(
-                    "epoch {:>3}  training {:.4}  {line}  rate {:.1e}  {:.1} s",
+                    "epoch {:>3}  training {:.5}  {line}  rate {:.1e}  {:.1} s",
                     record.epoch, record.train_loss, record.learning_rate, record.wall_s
                 ));
             });
@@ -73,11 +73,13 @@ pub(super) fn one(
     curve.write(picture.as_bytes())?;
     let validation = training.validation_loss.unwrap_or(f64::NAN);
     let r2 = 1.0 - validation / outcome.validation_variance;
+    let ridge =
+        training.ridge_penalty.map_or_else(String::new, |weight| format!(", ridge {weight:.0e}"));
     if !args.json {
         print(&outputs, |out| {
             Ok(writeln!(
                 out,
-                "{}: {} epochs, the best is {}; validation loss {validation:.4} (forecast of the mean: {:.4}), R² {r2:.4}; {:.1} min; curve {}",
+                "{}: {} epochs, the best is {}; validation loss {validation:.5} (forecast of the mean: {:.4}), R² {r2:.4}{ridge}; {:.1} min; curve {}",
                 job.out.display(),
                 training.epochs,
                 training.best_epoch,
@@ -119,8 +121,8 @@ fn bar(config: &TrainConfig) -> indicatif::ProgressBar {
 /// The figures of a training that a signal stopped. Its checkpoint holds the finished epochs; weights and picture are not written.
 fn interrupted(job: &Job, outcome: &twin_lab::learn::train::Outcome) -> serde_json::Value {
     let checkpoint = twin_lab::learn::checkpoint::path_for(&job.out);
-    let epochs = outcome.curve.len();
-    if epochs == 0 {
+    let epochs = outcome.curve.last().map_or(0, |record| record.epoch);
+    if outcome.curve.is_empty() {
         note(format_args!("{}: stopped before the first epoch was finished", job.out.display()));
     } else {
         note(format_args!(
@@ -132,7 +134,7 @@ fn interrupted(job: &Job, outcome: &twin_lab::learn::train::Outcome) -> serde_js
     serde_json::json!({
         "verdict": twin_scenario::Verdict::Interrupted,
         "out": job.out,
-        "checkpoint": (epochs > 0).then_some(checkpoint),
+        "checkpoint": (!outcome.curve.is_empty()).then_some(checkpoint),
         "model": outcome.head.model,
         "epochs": epochs,
         "curve": outcome.curve,

@@ -1,4 +1,5 @@
 //! Training and comparison of predictors: learning from recordings, and the tables of the paper.
 
+mod ridge;
 pub mod learn;
 pub mod evaluate;

@@ -19,6 +19,9 @@
 //!   map to their width. The adapter sees `g'` itself, times `regime_scale`.
 //! - **Decoder**: the FFN with its own residual sum, then an MLP on the mean of the channels' outputs beside the last token's. So its size
 //!   does not depend on the number of tokens.
+//! - **Skip**: the paper's equations have no linear path from the histories to the forecasts. A network may have one beside them, from
+//!   the last `t_skip` ticks of all channels to every `j`, added to the output of the decoder. Its training starts at the ridge regression
+//!   on these ticks, with a decoder that says zero, so attention learns only what a line cannot. A file without `t_skip` has none.
 //! - **Correction** (`r_adapt`): the adapter corrects `j = 0`; the same correction is added to every `j`.
 
 mod model;

@@ -1,7 +1,7 @@
 //! The learned baselines of the paper's tables in flight: same inputs and building blocks as the FDT, but other networks.
 //!
-//! In: [`History`]. Out: [`Forecast`] in N and N m, with the last hidden vector as the regime that the adapter uses. State: the weights; a
-//! baseline that learns in flight also changes its last layer.
+//! In: [`History`]. Out: [`Forecast`] in N and N m, with the last hidden vector as the regime that the adapter uses; a model without
+//! hidden layers has none. State: the weights; a baseline that learns in flight also changes its last layer.
 
 pub mod mlp;
 mod stack;
@@ -9,6 +9,7 @@ pub mod lstm;
 pub mod transformer;
 pub mod gpt2;
 pub mod neural_fly;
+pub mod ridge;
 
 use serde::{Deserialize, Serialize};
 
@@ -36,7 +37,7 @@ pub struct Sizes {
     pub heads: usize,
     /// Hidden width of the feed-forward blocks.
     pub d_ff: usize,
-    /// Width of the last hidden vector, the regime.
+    /// Width of the last hidden vector, the regime; 0 for the ridge regression, which has none.
     pub d_k: usize,
     /// Layers.
     pub layers: usize,
@@ -59,10 +60,14 @@ impl Sizes {
             ("d_model", sizes.d_model, MOST),
             ("heads", sizes.heads, sizes.d_model),
             ("d_ff", sizes.d_ff, MOST),
-            ("d_k", sizes.d_k, MOST),
             ("layers", sizes.layers, 64),
             ("horizon", sizes.horizon + 1, 64),
         ])?;
+        if weights.head.model == ModelKind::Ridge.name() {
+            weights::sizes::exactly("d_k", sizes.d_k, 0)?;
+        } else {
+            weights::sizes::within(&[("d_k", sizes.d_k, MOST)])?;
+        }
         weights::sizes::heads_divide(sizes.heads, sizes.d_model)?;
         Ok(sizes)
     }
@@ -121,6 +126,9 @@ impl Layout {
             ModelKind::Mlp => {
                 Self { tensors: mlp::tensors, load: |w, s| Box::new(mlp::Mlp::new(w, s)) }
             }
+            ModelKind::Ridge => {
+                Self { tensors: ridge::tensors, load: |w, s| Box::new(ridge::Ridge::new(w, s)) }
+            }
         })
     }
 }
@@ -133,7 +141,7 @@ pub fn network(weights: &Weights) -> Result<(Sizes, Box<dyn Network>), WeightsEr
     let sizes = Sizes::of(weights)?;
     let word = &weights.head.model;
     let layout = ModelKind::named(word).and_then(Layout::of).ok_or_else(|| {
-        let expected = "lstm, transformer, gpt2, neural_fly or mlp";
+        let expected = "lstm, transformer, gpt2, neural_fly, mlp or ridge";
         WeightsError::Model { found: word.clone(), expected }
     })?;
     weights.check_tensors(&(layout.tensors)(&sizes))?;

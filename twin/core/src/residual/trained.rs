@@ -7,7 +7,7 @@ use super::weights::{ModelKind, Weights, WeightsError};
 use super::{Fdt, Predictor, learned};
 
 /// Names of the models that fly from a file, as in its head.
-pub const MODELS: &str = "fdt, lstm, transformer, gpt2, neural_fly, mlp, sindy or gp";
+pub const MODELS: &str = "fdt, lstm, transformer, gpt2, neural_fly, mlp, ridge, sindy or gp";
 
 /// A predictor and its number of learned parameters.
 pub struct Trained {

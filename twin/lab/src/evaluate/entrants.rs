@@ -22,7 +22,8 @@ const UNTRAINED: [(&str, &str, &str, bool); 5] = [
 ];
 
 /// Entrants with weights: model, name, label, whether the adapter is on, and RMSE, R² and ms of the paper.
-const TRAINED: [(&str, &str, &str, bool, Paper); 9] = [
+const TRAINED: [(&str, &str, &str, bool, Paper); 10] = [
+    ("ridge", "ridge", "ridge regression", false, None),
     ("sindy", "sindy", "SINDy (SysID)", false, Some([1.363, 0.207, 0.01])),
     ("gp", "gp", "GP", false, Some([0.84, 0.493, 17.20])),
     ("lstm", "lstm", "LSTM", false, Some([0.76, 0.576, 1.20])),

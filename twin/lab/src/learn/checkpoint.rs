@@ -16,6 +16,7 @@ use super::adam::Adam;
 use super::config::TrainConfig;
 use super::file::write_whole;
 use super::parameters::{Parameter, Parameters};
+use twin_core::residual::weights::Training;
 use twin_input::budget::CHECKPOINT_BYTES;
 
 /// Key of the state in the file's metadata.
@@ -27,7 +28,7 @@ const SETS: [&str; 4] = ["weights/", "best/", "first/", "second/"];
 /// One epoch of the curve.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EpochRecord {
-    /// Number of the epoch, from 1.
+    /// Number of the epoch, from 1; 0 is the solution in closed form, from which the epochs start.
     pub epoch: usize,
     /// Mean squared z-score over the training windows, with noise.
     pub train_loss: f64,
@@ -50,10 +51,35 @@ pub struct TrainState {
     pub data_hash: String,
     /// Steps of the optimiser.
     pub steps: u64,
-    /// The curve so far; its length is the number of epochs done.
+    /// The curve so far.
     pub curve: Vec<EpochRecord>,
-    /// Epoch of the best validation loss, from 1; 0 before the first.
+    /// Epoch of the best validation loss; 0 before the first, or if none was better than the solution in closed form.
     pub best_epoch: usize,
+    /// Weight of the squared coefficients in the ridge regression that was solved; `None` if there was none.
+    #[serde(default)]
+    pub ridge_penalty: Option<f64>,
+}
+
+impl TrainState {
+    /// Number of epochs that are done.
+    pub fn epochs(&self) -> usize {
+        self.curve.last().map_or(0, |record| record.epoch)
+    }
+
+    /// The record of the training for the head of a file.
+    pub fn training(&self) -> Training {
+        let best = self.curve.iter().find(|record| record.epoch == self.best_epoch);
+        Training {
+            epochs: self.epochs() as u64,
+            steps: self.steps,
+            batch: self.config.batch as u64,
+            best_epoch: self.best_epoch as u64,
+            train_loss: best.map(|record| record.train_loss),
+            validation_loss: best.map(|record| record.validation_loss),
+            wall_s: self.curve.iter().map(|record| record.wall_s).sum(),
+            ridge_penalty: self.ridge_penalty,
+        }
+    }
 }
 
 /// A checkpoint.
@@ -200,6 +226,7 @@ mod tests {
             steps: 7,
             curve: vec![record],
             best_epoch: 1,
+            ridge_penalty: Some(1e-9),
         };
         let mut adam = Adam::new(&weights);
         adam.step(&mut weights.clone(), &[vec![0.3; 6], vec![-0.1; 3]], 1e-3, 1.0);

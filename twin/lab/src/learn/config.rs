@@ -11,12 +11,36 @@ use twin_input::budget::SETTINGS_BYTES;
 const SMALL: &str = include_str!("configs/small.toml");
 const PAPER: &str = include_str!("configs/paper.toml");
 
+/// Architecture of the FDT.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Architecture {
+    /// The paper's network.
+    Paper,
+    /// The paper's network and, beside it, a linear path from the last ticks to every forecast, which starts at the ridge regression.
+    Skip,
+}
+
+impl Architecture {
+    /// Name in flags and files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Paper => "paper",
+            Self::Skip => "skip",
+        }
+    }
+}
+
 /// A configuration. Every key has a default, so a file states only the keys that differ.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TrainConfig {
     /// The model that is trained.
     pub model: ModelKind,
+    /// Architecture of the FDT; a baseline ignores it.
+    pub architecture: Architecture,
+    /// Ticks of the linear path in the architecture `skip`.
+    pub t_skip: usize,
     /// Width `d_model`; for a baseline, its hidden width.
     pub d_model: usize,
     /// Attention heads; their number divides `d_model`.
@@ -66,6 +90,8 @@ impl Default for TrainConfig {
     fn default() -> Self {
         Self {
             model: ModelKind::Fdt,
+            architecture: Architecture::Skip,
+            t_skip: 10,
             d_model: 64,
             heads: 4,
             d_ff: 256,
@@ -73,7 +99,7 @@ impl Default for TrainConfig {
             layers: 2,
             t_short: 5,
             t_long: 120,
-            horizon: 6,
+            horizon: 25,
             global_token: true,
             short_horizon: true,
             long_memory: true,
@@ -144,6 +170,16 @@ impl TrainConfig {
             ModelKind::Transformer | ModelKind::Gpt2 => sized(20, 64, 256, 20),
             ModelKind::NeuralFly => Self { d_k: 16, ..sized(1, 64, 64, 40) },
             ModelKind::Mlp => sized(5, 128, 128, 40),
+            // It has neither layers nor epochs.
+            ModelKind::Ridge => sized(10, 64, 64, self.epochs),
+        }
+    }
+
+    /// Ticks of the linear path of an FDT; 0 if it has none.
+    pub fn ticks_of_skip(&self) -> usize {
+        match (self.model, self.architecture) {
+            (ModelKind::Fdt, Architecture::Skip) => self.t_skip,
+            _ => 0,
         }
     }
 
@@ -160,7 +196,8 @@ impl TrainConfig {
             ("layers", self.layers, 1, 24),
             ("t_short", self.t_short, 1, self.t_long),
             ("t_long", self.t_long, 1, 2000),
-            ("horizon", self.horizon, 0, 100),
+            ("t_skip", self.t_skip, 1, 2000),
+            ("horizon", self.horizon, 0, 63),
             ("epochs", self.epochs, 1, 10_000),
             ("batch", self.batch, 1, 65_536),
             ("stride", self.stride, 1, 1000),
@@ -183,6 +220,9 @@ impl TrainConfig {
                 return Err(format!("{key} = {found}: allowed are {low} to {high}"));
             }
         }
+        if self.ticks_of_skip() > self.t_long {
+            return Err(format!("t_skip = {}: allowed are 1 to {}", self.t_skip, self.t_long));
+        }
         if !self.d_model.is_multiple_of(self.heads) {
             let (d, h) = (self.d_model, self.heads);
             return Err(format!("heads = {h}: it must divide d_model = {d}"));
@@ -202,6 +242,8 @@ mod tests {
         let paper = TrainConfig::named("paper").unwrap();
         assert_eq!((paper.d_model, paper.heads, paper.d_ff, paper.layers), (512, 8, 2048, 2));
         assert_eq!((paper.t_short, paper.t_long, paper.batch, paper.horizon), (5, 120, 256, 6));
+        assert_eq!((paper.architecture, paper.ticks_of_skip()), (Architecture::Paper, 0));
+        assert_eq!((small.ticks_of_skip(), small.horizon), (10, 25));
     }
 
     #[test]
@@ -209,6 +251,8 @@ mod tests {
         for (text, word) in [
             ("d_modl = 3", "d_modl"),
             ("epochs = 0", "epochs = 0: allowed are 1"),
+            ("t_skip = 121", "t_skip = 121: allowed are 1 to 120"),
+            ("architecture = \"line\"", "line"),
             ("heads = 5", "divide d_model = 64"),
             ("tau_noise = nan", "tau_noise"),
             ("model = \"resnet\"", "resnet"),

@@ -32,13 +32,14 @@ fn draw(
     let area = plot::ground(text, plot::SIZE_PX)?;
     let losses = curve.iter().flat_map(|r| [r.train_loss, r.validation_loss]);
     let (low, high) = losses.fold((f64::MAX, 1e-9_f64), |(l, h), v| (l.min(v.max(1e-9)), h.max(v)));
-    let last = curve.len() as f64;
+    let epoch = |record: Option<&EpochRecord>| record.map_or(0.0, |r| r.epoch as f64);
+    let (first, last) = (epoch(curve.first()), epoch(curve.last()));
     let mut chart = ChartBuilder::on(&area)
         .margin(14)
         .caption(title, ("sans-serif", 18))
         .x_label_area_size(44)
         .y_label_area_size(70)
-        .build_cartesian_2d(0.5..last + 0.5, (low * 0.8..high * 1.25).log_scale())?;
+        .build_cartesian_2d(first - 0.5..last + 0.5, (low * 0.8..high * 1.25).log_scale())?;
     plot::plain(&mut chart.configure_mesh(), ["epoch", "mean squared z-score"], [13, 15])
         .y_label_formatter(&|y: &f64| format!("{y:.3}"))
         .draw()?;

@@ -72,6 +72,11 @@ pub enum LearnError {
         "no coordinate of the residual, or no input channel, is known in all of these flights; `twin info FILE` lists what a flight holds"
     )]
     NothingKnown,
+    /// The normal equations of the ridge regression have no solution.
+    #[error(
+        "the ridge regression on these flights has no solution: their numbers are too large to be squared; check the units of the recordings"
+    )]
+    Unsolvable,
     /// A configuration cannot be used.
     #[error("{source_name}: {why}")]
     Config {

@@ -7,8 +7,12 @@
 use burn_tensor::Tensor;
 use burn_tensor::activation::{gelu, softmax};
 
+use super::LearnError;
 use super::config::TrainConfig;
 use super::graph::{Leaves, Network, Output};
+use super::line::Line;
+use super::parameters::Parameters;
+use super::windows::Windows;
 use twin_core::residual::weights::FdtConfig;
 
 /// The network.
@@ -34,6 +38,7 @@ impl Fdt {
             global_token: config.global_token,
             short_horizon: config.short_horizon,
             long_memory: config.long_memory,
+            t_skip: config.ticks_of_skip(),
         };
         Self { config }
     }
@@ -74,6 +79,18 @@ impl Fdt {
             alpha.clone().reshape([batch, 1, channels]).matmul(u).reshape([batch, d]);
         let memory = hidden.matmul(out.transpose()) + alpha.matmul(identity);
         w.linear("cross.value", memory)
+    }
+
+    /// The linear path from the last ticks of `x` to the forecasts, `[batch, horizon + 1, outputs]`, if the network has one.
+    fn skip(&self, w: &Leaves, x: Tensor<3>) -> Option<Tensor<3>> {
+        let FdtConfig { t_skip, t_long, horizon, outputs, .. } = self.config;
+        if t_skip == 0 {
+            return None;
+        }
+        let batch = x.dims()[0];
+        let window = x.narrow(2, t_long - t_skip, t_skip);
+        let line = w.linear("skip", window.reshape([batch, self.config.skip_inputs()]));
+        Some(line.reshape([batch, horizon + 1, outputs]))
     }
 
     /// Decoder on the tokens of the channels, `[batch, channels, d]`, and the lifted regime, `[batch, d]`.
@@ -124,12 +141,35 @@ impl Network for Fdt {
         };
         let asks = w.norm("cross.norm", asks);
         let regime = if self.config.long_memory {
-            self.recall(w, x, asks)
+            self.recall(w, x.clone(), asks)
         } else {
             w.linear("cross.value", asks)
         };
         let tokens = tokens.map(|tokens| tokens.narrow(1, 0, channels));
-        let forecast = self.decode(w, tokens, &w.linear("cross.lift", regime.clone()));
+        let decoded = self.decode(w, tokens, &w.linear("cross.lift", regime.clone()));
+        let forecast = match self.skip(w, x) {
+            Some(line) => decoded + line,
+            None => decoded,
+        };
         Output { forecast, regime }
+    }
+
+    /// The linear path starts at the line of best fit, and the last layer of the decoder at zero, so the network starts as that line.
+    fn solve(
+        &self,
+        windows: &Windows,
+        parameters: &mut Parameters,
+    ) -> Result<Option<Line>, LearnError> {
+        if self.config.t_skip == 0 {
+            return Ok(None);
+        }
+        let line = Line::of(windows, self.config.t_skip)?;
+        line.write(parameters, "skip");
+        parameters
+            .0
+            .iter_mut()
+            .filter(|p| p.name.starts_with("decoder.readout.out."))
+            .for_each(|parameter| parameter.values.fill(0.0));
+        Ok(Some(line))
     }
 }

@@ -8,8 +8,11 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use burn_tensor::activation::{gelu, softmax};
 use burn_tensor::{Device, Gradients, Tensor, TensorData};
 
+use super::LearnError;
 use super::device::device;
+use super::line::Line;
 use super::parameters::Parameters;
+use super::windows::Windows;
 
 /// Epsilon that layer normalisation adds to the variance.
 const LAYER_NORM_EPSILON: f64 = 1e-5;
@@ -215,6 +218,24 @@ pub trait Network {
     /// The loss of a batch, `[1]`: by default the mean squared error over the whole horizon and all outputs.
     fn loss(&self, leaves: &Leaves, inputs: Inputs) -> Tensor<1> {
         mean_square(self.forward(leaves, inputs.x).forecast - inputs.y)
+    }
+
+    /// Sets the tensors that have a solution in closed form before the first step, and returns that solution; `None` if the model has
+    /// none.
+    ///
+    /// # Errors
+    /// [`LearnError::Unsolvable`] if the solution does not exist.
+    fn solve(
+        &self,
+        _windows: &Windows,
+        _parameters: &mut Parameters,
+    ) -> Result<Option<Line>, LearnError> {
+        Ok(None)
+    }
+
+    /// Whether gradient descent follows; if not, [`Network::solve`] sets every tensor.
+    fn descends(&self) -> bool {
+        true
     }
 
     /// Projects `parameters` onto the set that the model allows; called after every step.

@@ -10,6 +10,7 @@ pub mod foreign;
 pub mod dataset;
 pub mod windows;
 pub mod parameters;
+pub mod line;
 pub mod adam;
 pub mod file;
 pub mod checkpoint;

@@ -24,7 +24,7 @@ use super::parameters::Parameters;
 use super::regime::{Basis, second_moment};
 use super::windows::{Batch, WindowEnd, Windows, generator};
 use twin_core::notation::TICK_S;
-use twin_core::residual::weights::{self, Acceptance, FORMAT, Head, ModelKind, Training, Weights};
+use twin_core::residual::weights::{self, Acceptance, FORMAT, Head, ModelKind, Weights};
 use twin_record::Outputs;
 
 /// Stride of the training windows whose regime determines the basis.
@@ -57,6 +57,14 @@ pub struct Progress {
     pub loss: f64,
     /// The record of the epoch; set after the last step, when the checkpoint was written.
     pub finished: Option<EpochRecord>,
+}
+
+impl Progress {
+    /// The progress after an epoch.
+    fn finished(record: EpochRecord) -> Self {
+        let finished = Some(record);
+        Self { epoch: record.epoch, steps: (1, 1), loss: record.train_loss, finished }
+    }
 }
 
 /// The result of a training.
@@ -98,7 +106,7 @@ pub fn train(
     let _one_thread = exclusive();
     let network = network(request.config, &windows);
     let mut training = Trainer::new(data, request, &windows, network.as_ref())?;
-    let finished = training.run(observe)?;
+    let finished = training.start(observe)? && training.run(observe)?;
     training.finish(data, finished)
 }
 
@@ -133,6 +141,7 @@ impl<'a> Trainer<'a> {
                 steps: 0,
                 curve: Vec::new(),
                 best_epoch: 0,
+                ridge_penalty: None,
             };
             Checkpoint { state, best: weights.clone(), adam: Adam::new(&weights), weights }
         };
@@ -144,21 +153,61 @@ impl<'a> Trainer<'a> {
         &mut self,
         observe: &mut dyn FnMut(Progress) -> ControlFlow<()>,
     ) -> Result<bool, LearnError> {
-        let config = self.request.config;
-        while self.now.state.curve.len() < config.epochs && !self.out_of_patience() {
+        let epochs = if self.network.descends() { self.request.config.epochs } else { 0 };
+        while self.now.state.epochs() < epochs && !self.out_of_patience() {
             let Some(record) = self.epoch(observe)? else { return Ok(false) };
             self.keep()?;
-            let progress = Progress {
-                epoch: record.epoch,
-                steps: (1, 1),
-                loss: record.train_loss,
-                finished: Some(record),
-            };
-            if observe(progress).is_break() {
+            if observe(Progress::finished(record)).is_break() {
                 return Ok(false);
             }
         }
         Ok(true)
+    }
+
+    /// Sets the tensors that have a solution in closed form, and validates them as epoch 0; returns whether the training goes on.
+    #[expect(
+        clippy::disallowed_methods,
+        reason = "people read the time of an epoch; nothing depends on it"
+    )]
+    fn start(
+        &mut self,
+        observe: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    ) -> Result<bool, LearnError> {
+        let began = Instant::now();
+        if !self.now.state.curve.is_empty() {
+            return Ok(true);
+        }
+        let Some(line) = self.network.solve(self.windows, &mut self.now.weights)? else {
+            return Ok(true);
+        };
+        self.now.state.ridge_penalty = Some(line.penalty);
+        let validation_loss = self.validate();
+        let record = EpochRecord {
+            epoch: 0,
+            train_loss: line.train_loss,
+            validation_loss,
+            learning_rate: 0.0,
+            wall_s: began.elapsed().as_secs_f64(),
+        };
+        self.add(record)?;
+        self.keep()?;
+        Ok(observe(Progress::finished(record)).is_continue())
+    }
+
+    /// Adds an epoch to the curve, and keeps its weights if they are the best.
+    fn add(&mut self, record: EpochRecord) -> Result<(), LearnError> {
+        let (loss, epoch) = (record.validation_loss, record.epoch);
+        if !loss.is_finite() {
+            return Err(LearnError::Diverged { loss, epoch, learning_rate: record.learning_rate });
+        }
+        let best = self.now.state.curve.iter().map(|r| r.validation_loss).fold(f64::MAX, f64::min);
+        self.now.state.curve.push(record);
+        if loss < best {
+            self.now.state.best_epoch = epoch;
+            self.now.best = self.now.weights.clone();
+        }
+        self.now.state.steps = self.now.adam.steps;
+        Ok(())
     }
 
     /// Writes the checkpoint. The first one of a training that does not resume is a new file.
@@ -173,7 +222,7 @@ impl<'a> Trainer<'a> {
 
     fn out_of_patience(&self) -> bool {
         let state = &self.now.state;
-        state.curve.len() >= state.best_epoch + self.request.config.patience
+        state.epochs() >= state.best_epoch + self.request.config.patience
     }
 
     /// Runs one epoch; `None` if the observer stopped it.
@@ -186,7 +235,7 @@ impl<'a> Trainer<'a> {
         observe: &mut dyn FnMut(Progress) -> ControlFlow<()>,
     ) -> Result<Option<EpochRecord>, LearnError> {
         let (config, seed, began) = (self.request.config, self.request.seed, Instant::now());
-        let epoch = self.now.state.curve.len();
+        let epoch = self.now.state.epochs();
         let places = self.windows.epoch(seed, epoch, config.stride);
         let mut noise = generator(seed, epoch, 2);
         let steps = places.len().div_ceil(config.batch).max(1);
@@ -213,25 +262,14 @@ impl<'a> Trainer<'a> {
                 return Ok(None);
             }
         }
-        let validation_loss = self.validate();
         let record = EpochRecord {
             epoch: epoch + 1,
             train_loss: sum / steps as f64,
-            validation_loss,
+            validation_loss: self.validate(),
             learning_rate: rate,
             wall_s: began.elapsed().as_secs_f64(),
         };
-        if !validation_loss.is_finite() {
-            let loss = validation_loss;
-            return Err(LearnError::Diverged { loss, epoch: epoch + 1, learning_rate: rate });
-        }
-        let best = self.now.state.curve.iter().map(|r| r.validation_loss).fold(f64::MAX, f64::min);
-        self.now.state.curve.push(record);
-        if validation_loss < best {
-            self.now.state.best_epoch = record.epoch;
-            self.now.best = self.now.weights.clone();
-        }
-        self.now.state.steps = self.now.adam.steps;
+        self.add(record)?;
         Ok(Some(record))
     }
 
@@ -319,38 +357,21 @@ impl<'a> Trainer<'a> {
 
     fn head(&self, data: &Dataset, regime_scale: f64) -> Head {
         let state = &self.now.state;
-        let best = state.curve.iter().find(|record| record.epoch == state.best_epoch);
-        let wide = |values: &[f32]| values.iter().map(|v| f64::from(*v)).collect::<Vec<f64>>();
-        let z = &self.windows.normalisation;
         let masked = &self.request.config.masked;
+        let masked = data.channel_names.iter().filter(|n| masked.contains(n)).cloned().collect();
         Head {
             format: FORMAT,
             model: self.request.config.model.name().to_owned(),
             config: self.network.config(),
             channel_names: data.channel_names.clone(),
             output_names: data.output_names.clone(),
-            normalisation: weights::Normalisation {
-                masked: data.channel_names.iter().filter(|n| masked.contains(n)).cloned().collect(),
-                input_mean: wide(&z.input_mean),
-                input_std: wide(&z.input_std),
-                output_mean: wide(&z.output_mean),
-                output_std: wide(&z.output_std),
-                regime_scale,
-            },
+            normalisation: self.windows.normalisation.written(masked, regime_scale),
             rate_hz: 1.0 / TICK_S,
             m_bar: data.nominal_inertia.clone(),
             data_hash: state.data_hash.clone(),
             git: self.request.git.to_owned(),
             seed: state.seed,
-            training: Training {
-                epochs: state.curve.len() as u64,
-                steps: state.steps,
-                batch: self.request.config.batch as u64,
-                best_epoch: state.best_epoch as u64,
-                train_loss: best.map(|record| record.train_loss),
-                validation_loss: best.map(|record| record.validation_loss),
-                wall_s: state.curve.iter().map(|record| record.wall_s).sum(),
-            },
+            training: state.training(),
             acceptance: Acceptance::default(),
         }
     }

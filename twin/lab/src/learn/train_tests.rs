@@ -6,9 +6,10 @@ use burn_tensor::{Tensor, TensorData};
 use tempfile::TempDir;
 
 use super::checkpoint::{Checkpoint, path_for};
-use super::config::TrainConfig;
+use super::config::{Architecture, TrainConfig};
 use super::device::device;
 use super::graph::{Leaves, exclusive, values};
+use super::line::Line;
 use super::made::{dataset, tiny};
 use super::parameters::Parameters;
 use super::train::{Outcome, Progress, Request, network, train};
@@ -78,7 +79,7 @@ fn a_training_that_was_stopped_goes_on_to_the_same_bits() {
         ["whole", "halves"].map(|name| folder.path().join(format!("{name}.safetensors")));
     run(&data, &config, &whole, false, usize::MAX).unwrap();
     let stopped = run(&data, &config, &halves, false, 2).unwrap();
-    assert!(!stopped.finished && !halves.exists() && stopped.curve.len() == 2);
+    assert!(!stopped.finished && !halves.exists() && stopped.curve.len() == 3);
     run(&data, &config, &halves, true, usize::MAX).unwrap();
     let read = |path| Weights::from_bytes(&std::fs::read(path).unwrap()).unwrap();
     let (a, b) = (read(&whole), read(&halves));
@@ -153,9 +154,13 @@ fn same(ours: &[f32], theirs: &[f32], what: &str) {
 
 #[test]
 fn the_fdt_and_its_ablations_fly_as_they_were_trained() {
-    let flags = [(true, true, true), (false, true, true), (true, false, true), (true, true, false)];
-    for (global_token, short_horizon, long_memory) in flags {
-        let config = TrainConfig { global_token, short_horizon, long_memory, layers: 2, ..tiny() };
+    let parts = [(true, true, true), (false, true, true), (true, false, true), (true, true, false)];
+    let both = [Architecture::Paper, Architecture::Skip];
+    for ((global_token, short_horizon, long_memory), architecture) in
+        parts.into_iter().flat_map(|parts| both.map(|one| (parts, one)))
+    {
+        let flags = TrainConfig { global_token, short_horizon, long_memory, ..tiny() };
+        let config = TrainConfig { architecture, layers: 2, ..flags };
         let (weights, windows, forecast, regime) = untrained(&config);
         let model = fdt::Model::new(&weights).unwrap();
         let said: Vec<fdt::Output> = windows
@@ -165,7 +170,8 @@ fn the_fdt_and_its_ablations_fly_as_they_were_trained() {
             .collect();
         let ours: Vec<f32> = said.iter().flat_map(|s| s.residual.clone()).collect();
         let regimes: Vec<f32> = said.iter().flat_map(|s| s.regime.clone()).collect();
-        same(&ours, &forecast, &format!("{global_token} {short_horizon} {long_memory}"));
+        let what = format!("{global_token} {short_horizon} {long_memory} {}", architecture.name());
+        same(&ours, &forecast, &what);
         same(&regimes, &regime, "regime");
     }
 }
@@ -200,4 +206,52 @@ fn every_baseline_learns_the_linear_system() {
         let most = 0.2 * outcome.validation_variance;
         assert!(loss < most, "{}: {loss}, at most {most}", model.name());
     }
+}
+
+#[test]
+fn a_ridge_regression_is_solved_without_epochs_and_its_file_tells_how() {
+    let (data, folder) = (dataset(2, 600), folder());
+    let out = folder.path().join("w.safetensors");
+    let config = TrainConfig { model: ModelKind::Ridge, t_short: 1, t_long: 6, ..tiny() };
+    let outcome = run(&data, &config, &out, false, usize::MAX).unwrap();
+    let line = Line::of(&Windows::new(&data, &config).unwrap(), config.t_long).unwrap();
+    let training = &outcome.head.training;
+    assert_eq!((training.epochs, training.steps, training.best_epoch), (0, 0, 0));
+    assert_eq!(training.ridge_penalty, Some(line.penalty));
+    assert_eq!(outcome.curve.len(), 1);
+    let read = Weights::from_bytes(&std::fs::read(&out).unwrap()).unwrap();
+    assert_eq!(read.tensors["readout.weight"].values, line.weight);
+    assert_eq!(read.tensors["readout.bias"].values, line.bias);
+    // A resumed training has nothing left to do, and gives the same file.
+    let first = std::fs::read(&out).unwrap();
+    std::fs::remove_file(&out).unwrap();
+    run(&data, &config, &out, true, usize::MAX).unwrap();
+    assert!(std::fs::read(&out).unwrap() == first);
+}
+
+#[test]
+fn a_skip_that_learns_nothing_better_is_the_line_of_best_fit() {
+    let (data, folder) = (dataset(2, 600), folder());
+    let out = folder.path().join("w.safetensors");
+    // At this rate one epoch spoils the weights.
+    let config = TrainConfig { epochs: 1, learning_rate: 0.5, warm_up_epochs: 0.0, ..tiny() };
+    let outcome = run(&data, &config, &out, false, usize::MAX).unwrap();
+    let [start, spoiled] = [0, 1].map(|at| outcome.curve[at].validation_loss);
+    assert!(start < spoiled, "{start} {spoiled}");
+    assert_eq!(outcome.head.training.best_epoch, 0);
+    let read = Weights::from_bytes(&std::fs::read(&out).unwrap()).unwrap();
+    let windows = Windows::new(&data, &config).unwrap();
+    let line = Line::of(&windows, config.t_skip).unwrap();
+    assert_eq!(read.tensors["skip.weight"].values, line.weight);
+    let model = fdt::Model::new(&read).unwrap();
+    let batch = windows.batch(&windows.validation()[..1], None);
+    let inputs = windows.channels * config.t_skip;
+    let last =
+        |channel: usize| &batch.x[(channel + 1) * config.t_long - config.t_skip..][..config.t_skip];
+    let x: Vec<f32> = (0..windows.channels).flat_map(last).copied().collect();
+    let rows = line.weight.chunks_exact(inputs).zip(&line.bias);
+    let wanted: Vec<f32> = rows
+        .map(|(row, bias)| row.iter().zip(&x).map(|(w, x)| w * x).sum::<f32>() + bias)
+        .collect();
+    same(&model.forward(&batch.x).residual, &wanted, "the line");
 }

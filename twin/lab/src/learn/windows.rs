@@ -11,8 +11,10 @@ use serde::{Deserialize, Serialize};
 use super::LearnError;
 use super::config::TrainConfig;
 use super::dataset::{Dataset, FlightSeries};
+use twin_core::elementary::squared;
 use twin_core::normal::StandardNormal;
 use twin_core::notation::TICK_S;
+use twin_core::residual::weights;
 
 /// A channel with a smaller standard deviation is constant, and its deviation counts as 1.
 const LEAST_STD: f64 = 1e-6;
@@ -129,6 +131,21 @@ impl Windows {
         self.train.len()
     }
 
+    /// The windows for training, in order, before any stride.
+    pub fn training(&self) -> &[WindowEnd] {
+        &self.train
+    }
+
+    /// Variance of the white noise on `channel`, z-scored.
+    pub fn noise_variance(&self, channel: usize) -> f64 {
+        if self.noisy[channel] { squared(f64::from(self.noise)) } else { 0.0 }
+    }
+
+    /// Number of values that a forecast has: `(horizon + 1) * outputs`.
+    pub fn targets(&self) -> usize {
+        (self.horizon + 1) * self.outputs
+    }
+
     /// Number of flights.
     pub fn flights(&self) -> usize {
         self.flights.len()
@@ -222,6 +239,19 @@ impl Normalisation {
         let (input_mean, input_std) = inputs.map(|i| statistics(&|s| &s.inputs[i])).unzip();
         let (output_mean, output_std) = outputs.map(|i| statistics(&|s| &s.outputs[i])).unzip();
         Self { input_mean, input_std, output_mean, output_std }
+    }
+
+    /// The statistics as a file of weights holds them; `masked` and `regime_scale` are fields of that form.
+    pub fn written(&self, masked: Vec<String>, regime_scale: f64) -> weights::Normalisation {
+        let wide = |values: &[f32]| values.iter().map(|v| f64::from(*v)).collect::<Vec<f64>>();
+        weights::Normalisation {
+            masked,
+            input_mean: wide(&self.input_mean),
+            input_std: wide(&self.input_std),
+            output_mean: wide(&self.output_mean),
+            output_std: wide(&self.output_std),
+            regime_scale,
+        }
     }
 
     fn apply(&self, series: &FlightSeries, masked: &[bool]) -> FlightSeries {

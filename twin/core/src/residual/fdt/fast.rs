@@ -8,7 +8,7 @@ use super::super::nn::packed::{Packed, Precision};
 use super::super::nn::{LayerNorm, Linear, add, mean};
 use super::super::weights::FdtConfig;
 use super::fold::{FirstLayer, Memory};
-use super::model::{Long, Model, Output, Short};
+use super::model::{Long, Model, Output, Short, newest};
 
 /// A network prepared for one processor.
 pub struct Fast {
@@ -22,6 +22,7 @@ pub struct Fast {
     value: Packed,
     lift: Packed,
     decoder: Decoder,
+    skip: Option<Packed>,
     mixer: Mixer,
 }
 
@@ -60,7 +61,7 @@ fn packed(linear: &Linear, precision: Precision) -> Packed {
 
 impl Fast {
     /// Prepares `model` for `kernel`. With [`Precision::Bf16`] the large products read rounded weights. The path from the memory
-    /// to `g'` stays f32, because the adapter regresses on `g'`.
+    /// to `g'` stays f32, because the adapter regresses on `g'`, and so does the linear path, whose large weights of opposite signs cancel.
     pub fn new(model: &Model, kernel: Kernel, precision: Precision) -> Self {
         Self {
             kernel,
@@ -79,6 +80,7 @@ impl Fast {
                 readout_hidden: packed(&model.readout_hidden, precision),
                 readout_out: packed(&model.readout_out, precision),
             },
+            skip: model.skip.as_ref().map(|skip| packed(skip, Precision::F32)),
             mixer: Mixer::default(),
         }
     }
@@ -119,7 +121,12 @@ impl Fast {
             None => (applied(kernel, &self.value, &asks, d_k), Vec::new()),
         };
         tokens.extend(applied(kernel, &self.lift, &regime, d));
-        Output { residual: self.decoder.decode(kernel, &self.config, &tokens), regime, attention }
+        let mut residual = self.decoder.decode(kernel, &self.config, &tokens);
+        if let Some(skip) = &self.skip {
+            let window = newest(x, t_long, self.config.t_skip);
+            add(&mut residual, &applied(kernel, skip, &window, self.config.readout()));
+        }
+        Output { residual, regime, attention }
     }
 }
 

@@ -23,6 +23,8 @@ pub struct Model {
     pub(super) ffn_out: Linear,
     pub(super) readout_hidden: Linear,
     pub(super) readout_out: Linear,
+    /// The linear path to the forecasts, if the network has one.
+    pub(super) skip: Option<Linear>,
 }
 
 /// Short-horizon context stream.
@@ -60,6 +62,11 @@ pub struct Output {
     pub regime: Vec<f32>,
     /// Attention of the global token over the channels, `[channels]`; it sums to one and is empty without the long memory.
     pub attention: Vec<f32>,
+}
+
+/// The last `ticks` ticks of the histories `x`, `[channels, t_long]`: `[channels, ticks]`.
+pub(super) fn newest(x: &[f32], t_long: usize, ticks: usize) -> Vec<f32> {
+    x.chunks_exact(t_long).flat_map(|history| &history[t_long - ticks..]).copied().collect()
 }
 
 impl Model {
@@ -101,6 +108,7 @@ impl Model {
             ffn_out: linear("decoder.ffn.out", f),
             readout_hidden: linear("decoder.readout.hidden", 2 * d),
             readout_out: linear("decoder.readout.out", f),
+            skip: (config.t_skip > 0).then(|| linear("skip", config.skip_inputs())),
         })
     }
 
@@ -125,7 +133,11 @@ impl Model {
             None => (self.value.apply(&asks), Vec::new()),
         };
         let encoded = [channel_tokens, &self.lift.apply(&regime)].concat();
-        Output { residual: self.decode(encoded), regime, attention }
+        let mut residual = self.decode(encoded);
+        if let Some(skip) = &self.skip {
+            add(&mut residual, &skip.apply(&newest(x, t_long, self.config.t_skip)));
+        }
+        Output { residual, regime, attention }
     }
 
     /// Short-horizon context: the tokens of the channels, then the global token; `[channels (+ 1), d]`.

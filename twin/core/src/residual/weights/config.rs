@@ -34,10 +34,19 @@ pub struct FdtConfig {
     pub short_horizon: bool,
     /// True if the network sees the long window.
     pub long_memory: bool,
+    /// Window of the linear path to the forecasts, ticks; 0 without such a path, which the paper does not have.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub t_skip: usize,
+}
+
+/// True for the value that a file does not write.
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde calls it with a reference")]
+fn is_zero(value: &usize) -> bool {
+    *value == 0
 }
 
 impl FdtConfig {
-    /// The shipped size.
+    /// The default of `twin train`: a size for one core, with the linear path and a horizon of 250 ms.
     pub const SMALL: Self = Self {
         channels: 24,
         outputs: 8,
@@ -48,14 +57,16 @@ impl FdtConfig {
         d_ff: 256,
         d_k: 32,
         layers: 2,
-        horizon: 6,
+        horizon: 25,
         global_token: true,
         short_horizon: true,
         long_memory: true,
+        t_skip: 10,
     };
 
-    /// The paper's size, but with `d_k` = 32.
-    pub const PAPER: Self = Self { d_model: 512, heads: 8, d_ff: 2048, ..Self::SMALL };
+    /// The paper's size and architecture, but with `d_k` = 32.
+    pub const PAPER: Self =
+        Self { d_model: 512, heads: 8, d_ff: 2048, horizon: 6, t_skip: 0, ..Self::SMALL };
 
     /// The configuration in `head`.
     ///
@@ -87,6 +98,13 @@ impl FdtConfig {
             ("horizon", self.horizon + 1, 64),
         ])?;
         sizes::heads_divide(self.heads, self.d_model)?;
+        if self.t_skip > self.t_long {
+            return Err(WeightsError::Config {
+                key: "t_skip",
+                found: self.t_skip.to_string(),
+                expected: format!("0..={}", self.t_long),
+            });
+        }
         if !self.short_horizon && !self.global_token {
             return Err(WeightsError::Config {
                 key: "global_token",
@@ -101,6 +119,11 @@ impl FdtConfig {
     /// Number of outputs of the decoder: `(k + 1)` forecasts of every coordinate.
     pub fn readout(&self) -> usize {
         (self.horizon + 1) * self.outputs
+    }
+
+    /// Width of the input of the linear path: its window of every channel.
+    pub fn skip_inputs(&self) -> usize {
+        self.channels * self.t_skip
     }
 
     /// Name and shape of every tensor.
@@ -145,6 +168,10 @@ impl FdtConfig {
         add("decoder.readout.hidden.bias", &[d_ff]);
         add("decoder.readout.out.weight", &[self.readout(), d_ff]);
         add("decoder.readout.out.bias", &[self.readout()]);
+        if self.t_skip > 0 {
+            add("skip.weight", &[self.readout(), self.skip_inputs()]);
+            add("skip.bias", &[self.readout()]);
+        }
         all
     }
 }

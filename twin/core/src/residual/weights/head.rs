@@ -73,7 +73,7 @@ pub struct Training {
     pub steps: u64,
     /// Windows per step.
     pub batch: u64,
-    /// Epoch that gave these weights.
+    /// Epoch that gave these weights; 0 if the solution in closed form, from which the epochs start, was not improved.
     pub best_epoch: u64,
     /// Mean squared z-scored error over the training windows.
     pub train_loss: Option<f64>,
@@ -81,6 +81,9 @@ pub struct Training {
     pub validation_loss: Option<f64>,
     /// Duration of the training, s of wall-clock time.
     pub wall_s: f64,
+    /// Weight of the squared coefficients in the ridge regression that the training solved; `None` if it solved none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ridge_penalty: Option<f64>,
 }
 
 /// R² of the base forecast, flown in closed loop without the adapter; `None` if it was not flown.

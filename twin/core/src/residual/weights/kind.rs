@@ -1,8 +1,8 @@
-//! The models that are trained by gradient descent, and their names in configurations, flags and heads of files.
+//! The models that `twin train` makes, and their names in configurations, flags and heads of files.
 
 use serde::{Deserialize, Serialize};
 
-/// A model that is trained by gradient descent.
+/// A model that `twin train` makes: all by gradient descent, except for the ridge regression.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ModelKind {
@@ -18,12 +18,21 @@ pub enum ModelKind {
     NeuralFly,
     /// MLP whose last layer adapts in flight.
     Mlp,
+    /// Ridge regression on the last ticks, in closed form.
+    Ridge,
 }
 
 impl ModelKind {
     /// All models, the FDT first.
-    pub const ALL: [Self; 6] =
-        [Self::Fdt, Self::Lstm, Self::Transformer, Self::Gpt2, Self::NeuralFly, Self::Mlp];
+    pub const ALL: [Self; 7] = [
+        Self::Fdt,
+        Self::Lstm,
+        Self::Transformer,
+        Self::Gpt2,
+        Self::NeuralFly,
+        Self::Mlp,
+        Self::Ridge,
+    ];
 
     /// Name of the model in flags and files.
     pub fn name(self) -> &'static str {
@@ -34,6 +43,7 @@ impl ModelKind {
             Self::Gpt2 => "gpt2",
             Self::NeuralFly => "neural_fly",
             Self::Mlp => "mlp",
+            Self::Ridge => "ridge",
         }
     }
 

@@ -50,6 +50,21 @@ pub(in crate::residual) fn within(
     Ok(())
 }
 
+/// Checks that a size has the only value that its network allows.
+///
+/// # Errors
+/// [`WeightsError::Config`] if it has another one.
+pub(in crate::residual) fn exactly(
+    key: &'static str,
+    found: usize,
+    expected: usize,
+) -> Result<(), WeightsError> {
+    if found == expected {
+        return Ok(());
+    }
+    Err(WeightsError::Config { key, found: found.to_string(), expected: expected.to_string() })
+}
+
 /// Checks that the number of attention heads divides the width of a token.
 ///
 /// # Errors

@@ -6,8 +6,8 @@
 use serde::Serialize;
 
 use super::super::series::ReplayTick;
-use super::ridge::{Fitted, Normal, fit};
 use super::windows::{HORIZONS_TICKS, LONG, SHORT, Scale, TARGETS, Windows, inputs, matrices};
+use crate::ridge::{Fitted, Normal, fit};
 use twin_core::elementary::squared;
 use twin_core::notation::{Coords, N};
 

@@ -7,7 +7,6 @@
 pub mod bands;
 pub mod variant;
 mod windows;
-mod ridge;
 pub mod foresight;
 pub mod measured;
 pub mod foreseen;

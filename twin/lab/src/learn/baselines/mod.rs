@@ -5,6 +5,7 @@ mod lstm;
 mod gpt2;
 mod transformer;
 mod neural_fly;
+mod ridge;
 
 use burn_tensor::Tensor;
 
@@ -29,6 +30,7 @@ pub fn network(
         d_ff: config.d_ff,
         d_k: match config.model {
             ModelKind::NeuralFly => config.d_k,
+            ModelKind::Ridge => 0,
             _ => config.d_model,
         },
         layers: config.layers,
@@ -36,6 +38,7 @@ pub fn network(
     };
     let (forward, tensors): (Forward, _) = match config.model {
         ModelKind::NeuralFly => return Box::new(neural_fly::NeuralFly { sizes, flights }),
+        ModelKind::Ridge => return Box::new(ridge::Ridge { sizes }),
         ModelKind::Lstm => (lstm::forward, learned::lstm::tensors(&sizes)),
         ModelKind::Transformer => (transformer::forward, learned::transformer::tensors(&sizes)),
         ModelKind::Gpt2 => (gpt2::forward, learned::gpt2::tensors(&sizes)),

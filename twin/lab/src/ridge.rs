@@ -6,11 +6,11 @@ use nalgebra::DMatrix;
 
 /// Ridges that are tried, relative to the variance 1 of a z-scored input. The sums round by about 1e-13 of it, so the first is still
 /// above their roundings.
-pub(super) const RIDGES: [f64; 7] = [1e-11, 1e-10, 1e-9, 1e-8, 1e-6, 1e-4, 1e-2];
+pub(crate) const RIDGES: [f64; 7] = [1e-11, 1e-10, 1e-9, 1e-8, 1e-6, 1e-4, 1e-2];
 
 /// Sums of the normal equations.
 #[derive(Clone)]
-pub(super) struct Normal {
+pub(crate) struct Normal {
     gram: DMatrix<f64>,
     moment: DMatrix<f64>,
     /// Sum of the squares of all targets.
@@ -19,14 +19,21 @@ pub(super) struct Normal {
 }
 
 /// A fitted model.
-pub(super) struct Fitted {
-    pub(super) ridge: f64,
+pub(crate) struct Fitted {
+    pub(crate) ridge: f64,
     /// `[inputs, targets]`.
-    pub(super) coefficients: DMatrix<f64>,
+    pub(crate) coefficients: DMatrix<f64>,
+}
+
+impl Fitted {
+    /// Mean squared error over the samples of `sums` and all targets.
+    pub(crate) fn error(&self, sums: &Normal) -> f64 {
+        sums.error(&self.coefficients)
+    }
 }
 
 impl Normal {
-    pub(super) fn new(inputs: usize, targets: usize) -> Self {
+    pub(crate) fn new(inputs: usize, targets: usize) -> Self {
         Self {
             gram: DMatrix::zeros(inputs, inputs),
             moment: DMatrix::zeros(inputs, targets),
@@ -36,7 +43,7 @@ impl Normal {
     }
 
     /// Adds a block: inputs `[inputs, samples]` and targets `[targets, samples]`.
-    pub(super) fn add(&mut self, x: &DMatrix<f64>, y: &DMatrix<f64>) {
+    pub(crate) fn add(&mut self, x: &DMatrix<f64>, y: &DMatrix<f64>) {
         self.gram.gemm(1.0, x, &x.transpose(), 1.0);
         self.moment.gemm(1.0, x, &y.transpose(), 1.0);
         self.squares += y.norm_squared();
@@ -66,6 +73,11 @@ impl Normal {
         sum / (self.count * coefficients.ncols() as f64)
     }
 
+    /// Adds what white noise of this variance on `input` adds to the sums in the mean.
+    pub(crate) fn add_noise(&mut self, input: usize, variance: f64) {
+        self.gram[(input, input)] += variance * self.count;
+    }
+
     fn plus(&self, other: &Self) -> Self {
         Self {
             gram: &self.gram + &other.gram,
@@ -76,15 +88,21 @@ impl Normal {
     }
 }
 
-/// The model of the first `inputs` with the ridge that has the smallest error on `validation`, fitted to both parts. `None` if a part
-/// has no samples.
-pub(super) fn fit(part: &Normal, validation: &Normal, inputs: usize) -> Option<Fitted> {
+/// The model of the first `inputs`, fitted to `part` with the ridge that has the smallest error on `validation`. `None` if a part has no
+/// samples.
+pub(crate) fn choose(part: &Normal, validation: &Normal, inputs: usize) -> Option<Fitted> {
     let error = |ridge: f64| {
-        let error = validation.error(&part.solve(inputs, ridge)?);
-        error.is_finite().then_some((ridge, error))
+        let fitted = Fitted { ridge, coefficients: part.solve(inputs, ridge)? };
+        let error = fitted.error(validation);
+        error.is_finite().then_some((fitted, error))
     };
     let tried = RIDGES.into_iter().filter_map(error);
-    let (ridge, _) = tried.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    tried.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(fitted, _)| fitted)
+}
+
+/// The model of the first `inputs` with the ridge that [`choose`] finds, fitted to both parts. `None` if a part has no samples.
+pub(crate) fn fit(part: &Normal, validation: &Normal, inputs: usize) -> Option<Fitted> {
+    let ridge = choose(part, validation, inputs)?.ridge;
     Some(Fitted { ridge, coefficients: part.plus(validation).solve(inputs, ridge)? })
 }
 
