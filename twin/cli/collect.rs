@@ -3,13 +3,14 @@
 use std::io::{self, Write};
 use std::path::PathBuf;
 
+use anyhow::Context;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use twin_core::notation::{COORDINATE_NAMES, TICK_S};
 use twin_input::interruption::{self, Signal};
 use twin_record::output::{Outputs, make_folder, note};
 use twin_scenario::collect::{
-    CollectError, Collected, EXPECTED_STD, Flight, Plan, Spread, collect,
+    CollectError, Collected, EXPECTED_STD, Extent, Flight, Plan, Spread, collect,
 };
 use twin_scenario::{Verdict, side_by_side};
 
@@ -23,7 +24,14 @@ pub(super) struct CollectArgs {
     /// Length of each flight, s.
     #[arg(long, default_value_t = 300.0, value_parser = parse_seconds)]
     seconds: f64,
-    /// Payloads in the gripper, g; each gives one training flight.
+    /// Collect the paper's flights alone: 5 min of plain PID with each payload, without the flights of the adaptive controller.
+    #[arg(long)]
+    paper: bool,
+    /// Collect other flights instead: those in which the controller compensates what these weights forecast. A model that is trained on
+    /// them, too, knows how the vehicle moves under its own forecasts.
+    #[arg(long, value_name = "FILE.safetensors", conflicts_with = "paper")]
+    with: Option<PathBuf>,
+    /// Payloads in the gripper, g; each gives one of the paper's training flights.
     #[arg(long, value_delimiter = ',', default_value = "0,200,400", value_parser = clap::value_parser!(u32).range(0..=1000))]
     payloads: Vec<u32>,
     /// Seed of the first flight; each further flight has the next seed.
@@ -44,6 +52,11 @@ pub(super) struct CollectArgs {
     overrides: Overrides,
 }
 
+/// Name of the manifest; flights that are collected later into the same folder get their own.
+fn manifest_name(args: &CollectArgs) -> &'static str {
+    if args.with.is_some() { "collect_foreseen.json" } else { "collect.json" }
+}
+
 fn parse_seconds(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(seconds) if (5.0..=3600.0).contains(&seconds) => Ok(seconds),
@@ -51,10 +64,22 @@ fn parse_seconds(text: &str) -> Result<f64, String> {
     }
 }
 
+fn extent(args: &CollectArgs) -> anyhow::Result<Extent> {
+    Ok(match &args.with {
+        // A scenario resolves the path of the weights relative to itself, so the path is made absolute.
+        Some(file) => Extent::Foreseen(
+            std::fs::canonicalize(file).with_context(|| file.display().to_string())?,
+        ),
+        None if args.paper => Extent::Paper,
+        None => Extent::All,
+    })
+}
+
 pub(super) fn run(args: &CollectArgs) -> anyhow::Result<End> {
     let plan = Plan {
         scenarios: args.scenarios.clone(),
         out: args.out.clone(),
+        extent: extent(args)?,
         payloads_g: args.payloads.clone(),
         seconds: args.seconds,
         seed: args.seed,
@@ -64,7 +89,7 @@ pub(super) fn run(args: &CollectArgs) -> anyhow::Result<End> {
     let inputs = flights.iter().flat_map(|flight| flight.scenario.input_files());
     let outputs = args.overwrite.outputs_beside(inputs, args.json)?;
     make_folder(&args.out, "--out")?;
-    let table = outputs.reserve(&args.out.join("collect.json"), "--out")?;
+    let table = outputs.reserve(&args.out.join(manifest_name(args)), "--out")?;
     for flight in &flights {
         outputs.may_write(&flight.file, "--out")?;
     }
@@ -157,7 +182,7 @@ fn fly(
 fn print_table(out: &mut dyn Write, collected: &[Collected], together: &Spread) -> io::Result<()> {
     writeln!(
         out,
-        "{:14} {:>5} {:>6} {:>7}  {:10} {:>8} {:>7} {:>6} {:>8}  {:16}  sha-256 of the recording",
+        "{:28} {:>5} {:>6} {:>7}  {:10} {:>8} {:>7} {:>6} {:>8}  {:16}  sha-256 of the recording",
         "flight",
         "seed",
         "kg",
@@ -172,7 +197,7 @@ fn print_table(out: &mut dyn Write, collected: &[Collected], together: &Spread) 
     for flight in collected {
         writeln!(
             out,
-            "{:14} {:>5} {:>6.3} {:>7}  {:10} {:>8.3} {:>7.1} {:>6.2} {:>8}  {:16}  {}",
+            "{:28} {:>5} {:>6.3} {:>7}  {:10} {:>8.3} {:>7.1} {:>6.2} {:>8}  {:16}  {}",
             flight.scenario,
             flight.seed,
             flight.payload_kg,
@@ -191,12 +216,12 @@ fn print_table(out: &mut dyn Write, collected: &[Collected], together: &Spread) 
     }
     writeln!(
         out,
-        "\nresidual std, N and N m   {}",
+        "\nresidual std, N and N m      {}",
         COORDINATE_NAMES.map(|row| format!("{row:>7}")).join("")
     )?;
     let mut line = |name: &str, values: &[f64]| {
         let cells: Vec<String> = values.iter().map(|value| format!("{value:7.3}")).collect();
-        writeln!(out, "{name:25} {}", cells.concat())
+        writeln!(out, "{name:28} {}", cells.concat())
     };
     for flight in collected {
         line(&flight.scenario, flight.residual.std.as_slice())?;

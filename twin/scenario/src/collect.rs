@@ -9,6 +9,7 @@ use std::sync::Arc;
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
+use super::variations::{ADAPTIVE, COMPENSATED, FORESEEN, Variation};
 use super::{BuildError, Scenario, ScenarioError, Verdict, run};
 use twin_core::notation::{Coords, N};
 use twin_core::tick::Tick;
@@ -28,6 +29,17 @@ pub struct Flight {
     pub file: PathBuf,
 }
 
+/// Which flights are collected.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Extent {
+    /// The paper's: plain PID with excitation, one flight per payload.
+    Paper,
+    /// The paper's, and flights with the adaptive controller.
+    All,
+    /// Flights whose controller compensates what these weights forecast, and nothing else.
+    Foreseen(PathBuf),
+}
+
 /// Flights to collect.
 #[derive(Clone, Debug)]
 pub struct Plan {
@@ -35,7 +47,9 @@ pub struct Plan {
     pub scenarios: PathBuf,
     /// Folder of the recordings.
     pub out: PathBuf,
-    /// Payloads, g.
+    /// Which flights.
+    pub extent: Extent,
+    /// Payloads of the paper's flights, g.
     pub payloads_g: Vec<u32>,
     /// Length of each flight, s.
     pub seconds: f64,
@@ -162,14 +176,38 @@ impl Spread {
 }
 
 impl Plan {
-    /// The training flights, then the test flight.
+    /// The paper's training flights and its test flight, then the other training flights.
     ///
     /// # Errors
     /// [`CollectError`] if a scenario is not usable.
     pub fn flights(&self) -> Result<Vec<Flight>, CollectError> {
-        let names = self.payloads_g.iter().map(|g| (format!("collect_{g}g"), Some(*g)));
-        let all = names.chain([("test_300g".to_owned(), None)]).zip(self.seed..);
-        all.map(|((name, payload_g), seed)| self.flight(&name, payload_g, seed)).collect()
+        let strings = |keys: &[&str]| keys.iter().map(|key| (*key).to_owned()).collect();
+        let paper = || {
+            let names = self.payloads_g.iter().map(|g| (format!("collect_{g}g"), Some(*g)));
+            names.chain([("test_300g".to_owned(), None)]).map(|(name, g)| (name, g, Vec::new()))
+        };
+        let varied = |variations: &[Variation], keys: &[String]| -> Vec<_> {
+            let one = |(name, payload_g, own): &Variation| {
+                let all = [strings(&ADAPTIVE), keys.to_vec(), strings(own)].concat();
+                ((*name).to_owned(), Some(*payload_g), all)
+            };
+            variations.iter().map(one).collect()
+        };
+        let all: Vec<(String, Option<u32>, Vec<String>)> = match &self.extent {
+            Extent::Paper => paper().collect(),
+            Extent::All => paper().chain(varied(&COMPENSATED, &[])).collect(),
+            Extent::Foreseen(weights) => {
+                let keys = [
+                    "predictor.kind=trained".to_owned(),
+                    format!("predictor.weights={}", weights.display()),
+                    "predictor.force=true".to_owned(),
+                    "gains.adapter_on=0".to_owned(),
+                ];
+                varied(&FORESEEN, &keys)
+            }
+        };
+        let numbered = all.into_iter().zip(self.seed..);
+        numbered.map(|((name, g, keys), seed)| self.flight(&name, g, keys, seed)).collect()
     }
 
     /// A payload without a scenario of its own uses the scenario of 200 g.
@@ -177,6 +215,7 @@ impl Plan {
         &self,
         name: &str,
         payload_g: Option<u32>,
+        keys: Vec<String>,
         seed: u64,
     ) -> Result<Flight, CollectError> {
         let own = self.scenarios.join(format!("{name}.toml"));
@@ -184,6 +223,7 @@ impl Plan {
         let mut overrides =
             vec![format!("seed={seed}"), format!("task.duration_s={:?}", self.seconds)];
         overrides.extend(payload_g.map(|g| format!("payload.mass_kg={:?}", f64::from(g) / 1000.0)));
+        overrides.extend(keys);
         overrides.extend(self.overrides.iter().cloned());
         let scenario = Scenario { name: name.to_owned(), ..Scenario::load(&file, &overrides)? };
         Ok(Flight { scenario, file: self.out.join(format!("{name}.mcap")) })

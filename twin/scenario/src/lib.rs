@@ -26,6 +26,8 @@ pub mod run;
 mod rehearsal;
 mod parallel;
 #[cfg(feature = "suite")]
+mod variations;
+#[cfg(feature = "suite")]
 pub mod collect;
 #[cfg(feature = "suite")]
 pub mod cache;

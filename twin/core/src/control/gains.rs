@@ -9,8 +9,9 @@ use crate::tick::{InnerGains, InnerLaw};
 /// Nominal inertia `M_bar` of the paper's controller table: baked into every residual, so the same in all presets, kg and kg m².
 pub const NOMINAL_INERTIA: [f64; 8] = [2.0, 2.0, 2.0, 0.02, 0.02, 0.02, 0.05, 0.05];
 
-/// Share of the delay by which the `tuned` preset looks ahead.
-const TUNED_LEAD: [f64; 8] = [1.0; 8];
+/// Share of the delay by which the `tuned` preset looks ahead, found on paths of the A and B scenarios (RESULTS.md). The whole delay is too
+/// much: a forecast contains the vehicle's answer to its own feedback, so a longer lead raises the gain of the loop until it swings.
+const TUNED_LEAD: [f64; 8] = [0.26, 0.26, 0.57, 0.15, 0.15, 0.15, 0.5, 0.5];
 
 /// Named starting points of [`Gains`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
