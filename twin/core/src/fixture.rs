@@ -78,6 +78,7 @@ fn adapted(index: u64) -> Adapted {
         covariance_min: 0.5,
         gain_norm: 0.25,
         weight_norm: 0.75,
+        bias: coords(index, 44),
         reset: index.is_multiple_of(7),
         frozen: false,
     }

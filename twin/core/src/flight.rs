@@ -188,7 +188,7 @@ impl Flight {
         let mut reference = *reference;
         reference.release = self.release.take();
         if let Some(known) = &reference.release {
-            self.parts.adapter.move_to(&forecast, known);
+            self.parts.adapter.move_to(&forecast, known, &tuning.adapter);
         }
         let frozen = reference.adaptation == Adaptation::Held || self.fault.is_some();
         let adapted = self.parts.adapter.step(&forecast, &residual, dt_s, frozen, &tuning.adapter);

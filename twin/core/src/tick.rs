@@ -202,6 +202,9 @@ pub struct Adapted {
     pub gain_norm: f64,
     /// Frobenius norm of the weights `W`.
     pub weight_norm: f64,
+    /// Constant part of the correction, N and N m.
+    #[serde(default = "Coords::zeros")]
+    pub bias: Coords,
     /// The covariance was reset at this tick.
     pub reset: bool,
     /// The adapter was frozen at this tick.

@@ -107,6 +107,26 @@ pub static FORGETTING: Quantity = Quantity::new(
 )
 .step(0.0005);
 
+/// Time constant of the adapter's bias.
+pub static BIAS: Quantity = Quantity::new(
+    "bias_s",
+    "s",
+    [0.0, 60.0],
+    "time constant of the adapter's bias; 0: no bias",
+    &["gains.bias_s"],
+)
+.step(0.05);
+
+/// Leak of the adapter's weights.
+pub static WEIGHT_LEAK: Quantity = Quantity::new(
+    "weight_leak_per_s",
+    "1/s",
+    [0.0, 20.0],
+    "leak of the adapter's weights to zero",
+    &["gains.weight_leak_per_s"],
+)
+.step(0.05);
+
 /// Covariance after a reset.
 pub static RESET_SCALE: Quantity = Quantity::new(
     "reset_scale",
@@ -158,7 +178,7 @@ pub static ADAPTER_ON: Quantity = Quantity::new(
 .step(1.0);
 
 /// All quantities of this file.
-pub(super) static ALL: [&Quantity; 16] = [
+pub(super) static ALL: [&Quantity; 18] = [
     &SLOPE,
     &DAMPING_OF_TRANSLATION,
     &DAMPING_OF_ROTATION,
@@ -170,6 +190,8 @@ pub(super) static ALL: [&Quantity; 16] = [
     &RESIDUAL_FILTER_ON,
     &RESIDUAL_BANDWIDTH,
     &FORGETTING,
+    &BIAS,
+    &WEIGHT_LEAK,
     &RESET_SCALE,
     &RESET_THRESHOLD,
     &INNOVATION_SMOOTHING,

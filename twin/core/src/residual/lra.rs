@@ -1,11 +1,15 @@
 //! Latent Residual Adapter: Recursive Least Squares on the regime latent with forgetting, trace cap and covariance reset.
 //!
 //! In: base forecast `r_hat_base`, regime `g'`, measured residual `r`. Out: [`Adapted`]. State: `W` (`d_k` × n), `Sigma`
-//! (`d_k` × `d_k`), the moving average of the innovation, ticks since the last reset.
+//! (`d_k` × `d_k`), the bias, the moving average of the innovation, ticks since the last reset.
+//!
+//! Two parts are ours, and off in the presets of the paper: a bias per coordinate, which learns a constant force without waiting for a
+//! feature that is constant, and a leak of the weights towards zero, so that a correction that nothing asks for any more fades.
 
 use nalgebra::{Const, DMatrix, DVector, Dyn, OMatrix};
 use serde::{Deserialize, Serialize};
 
+use crate::elementary::exp;
 use crate::notation::{Coords, KnownCoords, N};
 use crate::tick::{Adapted, Forecast};
 
@@ -27,6 +31,12 @@ pub struct Settings {
     pub innovation_smoothing: f64,
     /// Shortest time between two resets, s.
     pub refractory_s: f64,
+    /// Time constant with which the bias follows what base and weights leave over, s; 0 switches the bias off.
+    #[serde(default)]
+    pub bias_s: f64,
+    /// Rate at which the weights leak to zero, 1/s.
+    #[serde(default)]
+    pub weight_leak_per_s: f64,
     /// The trace of the covariance is capped at this value times `d_k`; infinite switches the cap off.
     pub trace_cap_per_feature: f64,
 }
@@ -47,6 +57,8 @@ impl Default for Settings {
             reset_threshold: 3.2,
             innovation_smoothing: 0.9,
             refractory_s: 1.0,
+            bias_s: 0.0,
+            weight_leak_per_s: 0.0,
             trace_cap_per_feature: 10.0,
         }
     }
@@ -61,6 +73,8 @@ pub struct Adapter {
     scale: Coords,
     weights: Weights,
     covariance: DMatrix<f64>,
+    /// The constant part of the correction, in units of the scale.
+    bias: Coords,
     innovation_mean: Coords,
     ticks_since_reset: u64,
 }
@@ -73,6 +87,7 @@ impl Adapter {
             scale,
             weights: Weights::zeros(d_k),
             covariance: DMatrix::identity(d_k, d_k) * settings.reset_scale,
+            bias: Coords::zeros(),
             innovation_mean: Coords::zeros(),
             ticks_since_reset: u64::MAX / 2,
         }
@@ -99,15 +114,18 @@ impl Adapter {
         values
     }
 
-    /// Makes the smallest change of the weights after which the estimate for `forecast` equals `known` (N and N m). The adapter need not
-    /// learn a known jump, such as the release of a payload, from its error. A coordinate without a known forecast is not changed.
-    pub fn move_to(&mut self, forecast: &Forecast, known: &Coords) {
+    /// Changes the estimate for `forecast` to `known` (N and N m): by the bias if there is one, otherwise by the smallest change of the
+    /// weights. The adapter need not learn a known jump, such as the release of a payload, from its error. A coordinate without a known
+    /// forecast is not changed.
+    pub fn move_to(&mut self, forecast: &Forecast, known: &Coords, settings: &Settings) {
         let g = DVector::from_column_slice(&forecast.regime);
         let power = g.norm_squared();
         let base = forecast.base.first().copied().unwrap_or_else(|| Coords::zeros().into());
         let step = (known - *base).component_div(&self.scale) - self.correction(&g);
         let step = KnownCoords::from(step).only(base.known()).or(&Coords::zeros());
-        if g.len() == self.weights.nrows()
+        if settings.bias_s > 0.0 && step.iter().all(|v| v.is_finite()) {
+            self.bias += step;
+        } else if g.len() == self.weights.nrows()
             && power > 0.0
             && power.is_finite()
             && step.iter().all(|v| v.is_finite())
@@ -136,17 +154,22 @@ impl Adapter {
         let said = |values: Coords| KnownCoords::from(values).only(known);
         // An innovation of zero moves no weight.
         let lesson = said(innovation).or(&Coords::zeros());
-        let usable = settings.enabled
+        let teaches = settings.enabled
             && !frozen
-            && g.len() == self.weights.nrows()
-            && !g.is_empty()
             && residual.is_any_known()
             && lesson.iter().chain(g.iter()).all(|v| v.is_finite());
+        let usable = teaches && g.len() == self.weights.nrows() && !g.is_empty();
         let mut gain_norm = 0.0;
         let mut reset = false;
         if usable {
+            self.weights *= exp(-settings.weight_leak_per_s * dt_s);
             gain_norm = self.rls(&g, &lesson, settings);
             reset = self.detect_reset(&lesson, dt_s, settings);
+        }
+        if teaches && settings.bias_s > 0.0 {
+            // What the weights do not explain after they learned.
+            let left = said((**residual - base).component_div(&self.scale) - self.correction(&g));
+            self.bias += left.or(&Coords::zeros()) * (1.0 - exp(-dt_s / settings.bias_s));
         }
         let r_hat = if settings.enabled {
             base + self.correction(&g).component_mul(&self.scale)
@@ -164,16 +187,18 @@ impl Adapter {
             covariance_min: diagonal.iter().copied().fold(f64::MAX, f64::min).min(diagonal.sum()),
             gain_norm,
             weight_norm: self.weights.norm(),
+            bias: self.bias.component_mul(&self.scale),
             reset,
             frozen: frozen || !settings.enabled,
         }
     }
 
+    /// The correction on the features `g`, bias included, in units of the scale.
     fn correction(&self, g: &DVector<f64>) -> Coords {
         if g.len() != self.weights.nrows() || g.is_empty() {
-            return Coords::zeros();
+            return self.bias;
         }
-        self.weights.tr_mul(g)
+        self.weights.tr_mul(g) + self.bias
     }
 
     /// Computes the whole new state, checks it, then assigns it. Returns the norm of `K`.
@@ -216,140 +241,5 @@ impl Adapter {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::elementary::powi;
-    use proptest::prelude::*;
-
-    /// RLS and the normal equations differ by rounding amplified by the conditioning of 4 random features.
-    const BATCH_TOLERANCE: f64 = 1e-6;
-
-    fn forecast(g: &[f64]) -> Forecast {
-        Forecast { base: vec![Coords::zeros().into()], regime: g.to_vec(), attention: Vec::new() }
-    }
-
-    #[test]
-    fn the_spectrum_of_a_known_covariance_is_known_and_ordered() {
-        // Householder reflection H = I - 2 v v' / v'v of diag(5, 2, 0.5): eigenvalues stay.
-        let v = DVector::from_column_slice(&[1.0, -2.0, 0.5]);
-        let h = DMatrix::identity(3, 3) - &v * v.transpose() * (2.0 / v.norm_squared());
-        let d = DMatrix::from_diagonal(&DVector::from_column_slice(&[0.5, 5.0, 2.0]));
-        let mut adapter = Adapter::new(3, Coords::repeat(1.0), &Settings::default());
-        adapter.covariance = &h * d * &h;
-        let spectrum = adapter.spectrum();
-        for (found, wanted) in spectrum.iter().zip([5.0, 2.0, 0.5]) {
-            // A few roundings of numbers below 10.
-            assert!((found - wanted).abs() < 1e-12, "{spectrum:?}");
-        }
-        adapter.covariance[(0, 0)] = f64::NAN;
-        assert!(adapter.spectrum().len() <= 3, "ends for what is not a number too");
-    }
-
-    proptest! {
-        #[test]
-        fn weights_equal_batch_weighted_least_squares(
-            data in proptest::collection::vec((proptest::array::uniform4(-1.0..1.0f64), -1.0..1.0f64), 30..60)
-        ) {
-            let settings = Settings { trace_cap_per_feature: f64::INFINITY, reset_threshold: 1e9, ..Settings::default() };
-            let mut adapter = Adapter::new(4, Coords::repeat(1.0), &settings);
-            let lambda: f64 = settings.forgetting;
-            // Oracle: argmin sum lambda^(T-t) (y - w'g)^2 + lambda^T |w|^2 / sigma_0 by the normal equations.
-            let total = i32::try_from(data.len()).unwrap();
-            let mut a = DMatrix::identity(4, 4) * powi(lambda, total);
-            let mut b = DVector::zeros(4);
-            for (t, (g, y)) in data.iter().enumerate() {
-                adapter.step(&forecast(g), &Coords::repeat(*y).into(), 0.01, false, &settings);
-                let g = DVector::from_column_slice(g);
-                let weight = powi(lambda, total - 1 - i32::try_from(t).unwrap());
-                a += &g * g.transpose() * weight;
-                b += &g * (*y * weight);
-            }
-            let w = a.lu().solve(&b).unwrap();
-            let error = (adapter.weights().column(0) - w).norm();
-            prop_assert!(error < BATCH_TOLERANCE, "{error}");
-        }
-
-        #[test]
-        fn trace_never_exceeds_its_cap_and_covariance_stays_symmetric(
-            data in proptest::collection::vec(proptest::array::uniform4(-1.0..1.0f64), 200..400)
-        ) {
-            let settings = Settings::default();
-            let mut adapter = Adapter::new(4, Coords::repeat(1.0), &settings);
-            for g in &data {
-                let adapted = adapter.step(&forecast(g), &Coords::repeat(0.1).into(), 0.01, false, &settings);
-                prop_assert!(adapted.covariance_trace <= settings.trace_cap_per_feature * 4.0 * (1.0 + 1e-12));
-            }
-            prop_assert_eq!(adapter.covariance().transpose(), adapter.covariance().clone());
-        }
-    }
-
-    #[test]
-    fn a_step_of_the_residual_resets_once_per_refractory_time() {
-        let settings = Settings { forgetting: 1.0, ..Settings::default() };
-        let mut adapter = Adapter::new(1, Coords::repeat(1.0), &settings);
-        for _ in 0..2000 {
-            adapter.step(&forecast(&[1.0]), &Coords::zeros().into(), 0.01, false, &settings);
-        }
-        let resets: Vec<usize> = (0..100)
-            .filter(|_| {
-                adapter
-                    .step(&forecast(&[1.0]), &Coords::repeat(5.0).into(), 0.01, false, &settings)
-                    .reset
-            })
-            .collect();
-        assert_eq!(resets.len(), 1, "a collapsed covariance reopens once: {resets:?}");
-    }
-
-    #[test]
-    fn after_a_move_the_estimate_is_the_known_value() {
-        let settings = Settings::default();
-        let mut adapter = Adapter::new(2, Coords::repeat(2.0), &settings);
-        adapter.step(&forecast(&[1.0, 0.5]), &Coords::repeat(3.0).into(), 0.01, false, &settings);
-        adapter.move_to(&forecast(&[1.0, 0.5]), &Coords::repeat(-5.0));
-        let after = adapter
-            .step(&forecast(&[1.0, 0.5]), &Coords::zeros().into(), 0.01, true, &settings)
-            .r_hat;
-        assert!((*after - Coords::repeat(-5.0)).norm() < 1e-12);
-    }
-
-    #[test]
-    fn a_row_whose_residual_is_unknown_teaches_nothing_and_is_not_estimated() {
-        let settings = Settings::default();
-        let mut adapter = Adapter::new(1, Coords::repeat(1.0), &settings);
-        adapter.step(&forecast(&[1.0]), &Coords::repeat(1.0).into(), 0.01, false, &settings);
-        let before = adapter.weights().clone();
-        let mut known = [true; N];
-        known[1] = false;
-        let partly = KnownCoords::from(Coords::repeat(9.0)).only(known);
-        let adapted = adapter.step(&forecast(&[1.0]), &partly, 0.01, false, &settings);
-        for row in 0..N {
-            assert_eq!(
-                adapter.weights()[row].to_bits() == before[row].to_bits(),
-                !known[row],
-                "{row}"
-            );
-        }
-        assert_eq!((adapted.r_hat.known(), adapted.innovation.known()), (known, known));
-        let before = (adapter.weights().clone(), adapter.covariance().clone());
-        adapter.step(&forecast(&[1.0]), &KnownCoords::unknown(), 0.01, false, &settings);
-        assert_eq!(before, (adapter.weights().clone(), adapter.covariance().clone()));
-    }
-
-    #[test]
-    fn frozen_or_non_finite_input_changes_nothing() {
-        let settings = Settings::default();
-        let mut adapter = Adapter::new(1, Coords::repeat(1.0), &settings);
-        adapter.step(&forecast(&[1.0]), &Coords::repeat(1.0).into(), 0.01, false, &settings);
-        let before = (adapter.weights().clone(), adapter.covariance().clone());
-        adapter.step(&forecast(&[1.0]), &Coords::repeat(9.0).into(), 0.01, true, &settings);
-        adapter.step(&forecast(&[f64::NAN]), &Coords::repeat(9.0).into(), 0.01, false, &settings);
-        adapter.step(
-            &forecast(&[1.0]),
-            &Coords::repeat(f64::INFINITY).into(),
-            0.01,
-            false,
-            &settings,
-        );
-        assert_eq!(before, (adapter.weights().clone(), adapter.covariance().clone()));
-    }
-}
+#[path = "lra_tests.rs"]
+mod tests;

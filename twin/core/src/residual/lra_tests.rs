@@ -1,0 +1,157 @@
+//! The adapter against batch least squares, and its rules.
+
+use super::*;
+use crate::elementary::powi;
+use proptest::prelude::*;
+
+/// RLS and the normal equations differ by rounding amplified by the conditioning of 4 random features.
+const BATCH_TOLERANCE: f64 = 1e-6;
+
+fn forecast(g: &[f64]) -> Forecast {
+    Forecast { base: vec![Coords::zeros().into()], regime: g.to_vec(), attention: Vec::new() }
+}
+
+#[test]
+fn the_spectrum_of_a_known_covariance_is_known_and_ordered() {
+    // Householder reflection H = I - 2 v v' / v'v of diag(5, 2, 0.5): eigenvalues stay.
+    let v = DVector::from_column_slice(&[1.0, -2.0, 0.5]);
+    let h = DMatrix::identity(3, 3) - &v * v.transpose() * (2.0 / v.norm_squared());
+    let d = DMatrix::from_diagonal(&DVector::from_column_slice(&[0.5, 5.0, 2.0]));
+    let mut adapter = Adapter::new(3, Coords::repeat(1.0), &Settings::default());
+    adapter.covariance = &h * d * &h;
+    let spectrum = adapter.spectrum();
+    for (found, wanted) in spectrum.iter().zip([5.0, 2.0, 0.5]) {
+        // A few roundings of numbers below 10.
+        assert!((found - wanted).abs() < 1e-12, "{spectrum:?}");
+    }
+    adapter.covariance[(0, 0)] = f64::NAN;
+    assert!(adapter.spectrum().len() <= 3, "ends for what is not a number too");
+}
+
+proptest! {
+    #[test]
+    fn weights_equal_batch_weighted_least_squares(
+        data in proptest::collection::vec((proptest::array::uniform4(-1.0..1.0f64), -1.0..1.0f64), 30..60)
+    ) {
+        let settings = Settings { trace_cap_per_feature: f64::INFINITY, reset_threshold: 1e9, ..Settings::default() };
+        let mut adapter = Adapter::new(4, Coords::repeat(1.0), &settings);
+        let lambda: f64 = settings.forgetting;
+        // Oracle: argmin sum lambda^(T-t) (y - w'g)^2 + lambda^T |w|^2 / sigma_0 by the normal equations.
+        let total = i32::try_from(data.len()).unwrap();
+        let mut a = DMatrix::identity(4, 4) * powi(lambda, total);
+        let mut b = DVector::zeros(4);
+        for (t, (g, y)) in data.iter().enumerate() {
+            adapter.step(&forecast(g), &Coords::repeat(*y).into(), 0.01, false, &settings);
+            let g = DVector::from_column_slice(g);
+            let weight = powi(lambda, total - 1 - i32::try_from(t).unwrap());
+            a += &g * g.transpose() * weight;
+            b += &g * (*y * weight);
+        }
+        let w = a.lu().solve(&b).unwrap();
+        let error = (adapter.weights().column(0) - w).norm();
+        prop_assert!(error < BATCH_TOLERANCE, "{error}");
+    }
+
+    #[test]
+    fn trace_never_exceeds_its_cap_and_covariance_stays_symmetric(
+        data in proptest::collection::vec(proptest::array::uniform4(-1.0..1.0f64), 200..400)
+    ) {
+        let settings = Settings::default();
+        let mut adapter = Adapter::new(4, Coords::repeat(1.0), &settings);
+        for g in &data {
+            let adapted = adapter.step(&forecast(g), &Coords::repeat(0.1).into(), 0.01, false, &settings);
+            prop_assert!(adapted.covariance_trace <= settings.trace_cap_per_feature * 4.0 * (1.0 + 1e-12));
+        }
+        prop_assert_eq!(adapter.covariance().transpose(), adapter.covariance().clone());
+    }
+}
+
+#[test]
+fn a_step_of_the_residual_resets_once_per_refractory_time() {
+    let settings = Settings { forgetting: 1.0, ..Settings::default() };
+    let mut adapter = Adapter::new(1, Coords::repeat(1.0), &settings);
+    for _ in 0..2000 {
+        adapter.step(&forecast(&[1.0]), &Coords::zeros().into(), 0.01, false, &settings);
+    }
+    let resets: Vec<usize> = (0..100)
+        .filter(|_| {
+            adapter
+                .step(&forecast(&[1.0]), &Coords::repeat(5.0).into(), 0.01, false, &settings)
+                .reset
+        })
+        .collect();
+    assert_eq!(resets.len(), 1, "a collapsed covariance reopens once: {resets:?}");
+}
+
+#[test]
+fn a_constant_force_is_learned_by_the_bias_alone_and_a_jump_moves_it() {
+    let settings = Settings { bias_s: 0.5, ..Settings::default() };
+    let mut adapter = Adapter::new(0, Coords::repeat(2.0), &settings);
+    let force = Coords::repeat(3.0);
+    let mut before = 0.0;
+    for _ in 0..50 {
+        before = adapter.step(&forecast(&[]), &force.into(), 0.01, false, &settings).r_hat[0];
+    }
+    // First order: 1 - exp(-t / 0.5 s) after 0.5 s.
+    assert!((before - 3.0 * (1.0 - 1.0_f64 / std::f64::consts::E)).abs() < 1e-9, "{before}");
+    adapter.move_to(&forecast(&[]), &Coords::repeat(-5.0), &settings);
+    let after = adapter.step(&forecast(&[]), &force.into(), 0.01, true, &settings);
+    assert!((*after.r_hat - Coords::repeat(-5.0)).norm() < 1e-12);
+    assert!((after.bias - Coords::repeat(-5.0)).norm() < 1e-12, "the base forecast is zero");
+}
+
+#[test]
+fn weights_that_nothing_asks_for_fade_with_the_leak() {
+    let settings = Settings { weight_leak_per_s: 2.0, forgetting: 1.0, ..Settings::default() };
+    let mut adapter = Adapter::new(1, Coords::repeat(1.0), &settings);
+    adapter.step(&forecast(&[1.0]), &Coords::repeat(1.0).into(), 0.01, false, &settings);
+    let before = adapter.weights()[0];
+    for _ in 0..100 {
+        // A feature of zero teaches nothing.
+        adapter.step(&forecast(&[0.0]), &Coords::zeros().into(), 0.01, false, &settings);
+    }
+    // exp(-2 / s * 1 s)
+    assert!((adapter.weights()[0] / before - exp(-2.0)).abs() < 1e-9);
+}
+
+#[test]
+fn after_a_move_the_estimate_is_the_known_value() {
+    let settings = Settings::default();
+    let mut adapter = Adapter::new(2, Coords::repeat(2.0), &settings);
+    adapter.step(&forecast(&[1.0, 0.5]), &Coords::repeat(3.0).into(), 0.01, false, &settings);
+    adapter.move_to(&forecast(&[1.0, 0.5]), &Coords::repeat(-5.0), &settings);
+    let after =
+        adapter.step(&forecast(&[1.0, 0.5]), &Coords::zeros().into(), 0.01, true, &settings).r_hat;
+    assert!((*after - Coords::repeat(-5.0)).norm() < 1e-12);
+}
+
+#[test]
+fn a_row_whose_residual_is_unknown_teaches_nothing_and_is_not_estimated() {
+    let settings = Settings::default();
+    let mut adapter = Adapter::new(1, Coords::repeat(1.0), &settings);
+    adapter.step(&forecast(&[1.0]), &Coords::repeat(1.0).into(), 0.01, false, &settings);
+    let before = adapter.weights().clone();
+    let mut known = [true; N];
+    known[1] = false;
+    let partly = KnownCoords::from(Coords::repeat(9.0)).only(known);
+    let adapted = adapter.step(&forecast(&[1.0]), &partly, 0.01, false, &settings);
+    for row in 0..N {
+        assert_eq!(adapter.weights()[row].to_bits() == before[row].to_bits(), !known[row], "{row}");
+    }
+    assert_eq!((adapted.r_hat.known(), adapted.innovation.known()), (known, known));
+    let before = (adapter.weights().clone(), adapter.covariance().clone());
+    adapter.step(&forecast(&[1.0]), &KnownCoords::unknown(), 0.01, false, &settings);
+    assert_eq!(before, (adapter.weights().clone(), adapter.covariance().clone()));
+}
+
+#[test]
+fn frozen_or_non_finite_input_changes_nothing() {
+    let settings = Settings::default();
+    let mut adapter = Adapter::new(1, Coords::repeat(1.0), &settings);
+    adapter.step(&forecast(&[1.0]), &Coords::repeat(1.0).into(), 0.01, false, &settings);
+    let before = (adapter.weights().clone(), adapter.covariance().clone());
+    adapter.step(&forecast(&[1.0]), &Coords::repeat(9.0).into(), 0.01, true, &settings);
+    adapter.step(&forecast(&[f64::NAN]), &Coords::repeat(9.0).into(), 0.01, false, &settings);
+    adapter.step(&forecast(&[1.0]), &Coords::repeat(f64::INFINITY).into(), 0.01, false, &settings);
+    assert_eq!(before, (adapter.weights().clone(), adapter.covariance().clone()));
+}
