@@ -2,6 +2,7 @@
 
 use std::process::{Command, Output, Stdio};
 
+use twin_core::residual::REPORTED;
 use twin_foreign::OpenedFlight;
 use twin_foreign::Shadow;
 use twin_record::read_ticks;
@@ -30,7 +31,7 @@ fn a_flight_is_surveyed_and_mirrored_to_one_json_object_each() {
     assert_eq!(mirror.status.code(), Some(0));
     let found = json(&mirror);
     assert_eq!(found["effort"]["kind"], "fitted");
-    assert_eq!(found["shadow"]["prediction"].as_array().map(Vec::len), Some(7));
+    assert_eq!(found["shadow"]["prediction"].as_array().map(Vec::len), Some(REPORTED.len()));
     assert_eq!(found["forces_are_per_kilogram"], true);
 }
 
@@ -162,4 +163,19 @@ fn what_is_unknown_in_a_flight_is_unknown_in_its_recording_its_page_and_its_csv(
     let (html, stderr) = twin(&["export", "html", &record, "-o", &page]);
     assert_eq!(html.status.code(), Some(0), "{stderr}");
     assert!(std::fs::read_to_string(&page).expect("a page").contains("<html"));
+}
+
+#[test]
+fn a_mirrored_flight_cannot_score_a_prediction_and_says_why() {
+    let path = file("program_scored.mcap", &flight(PLAIN));
+    let record = path.with_extension("rec.mcap");
+    let [path, record] = [&path, &record].map(|path| path.to_str().expect("text").to_owned());
+    let (mirror, _) = twin(&["mirror", &path, "--headless", "--json", "--record", &record]);
+    assert_eq!(mirror.status.code(), Some(0), "{mirror:?}");
+    let (output, stderr) = twin(&["evaluate", "prediction", &record]);
+    assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0), "{stderr}");
+    for part in ["program_scored.rec.mcap: none of its", "follows the measurement", "twin collect"]
+    {
+        assert!(stderr.contains(part), "{part:?} is not in {stderr:?}");
+    }
 }

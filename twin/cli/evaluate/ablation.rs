@@ -86,7 +86,7 @@ pub(super) fn run(args: &AblationArgs) -> anyhow::Result<End> {
         let Some(file) = file else { continue };
         let weights = read_weights(file)?;
         let (by_horizon, r2) = measure(name, (&weights, file), &scenario, &flights, &statistics)?;
-        let rmse_z = by_horizon[0];
+        let rmse_z = by_horizon.first().copied().unwrap_or(f64::NAN);
         let change = |value: f64, full: f64| (value / full - 1.0) * 100.0;
         let reference = rows.first().map_or(rmse_z, |row| row.rmse_z);
         rows.push(Variant {

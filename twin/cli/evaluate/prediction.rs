@@ -6,10 +6,10 @@ use std::path::PathBuf;
 use anyhow::Context;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
-use twin_core::residual::HORIZON;
+use twin_core::residual::REPORTED;
 use twin_lab::evaluate::entrants::{Candidate, trained, unfilled, untrained, untrained_names};
 use twin_lab::evaluate::fit::{Baseline, fit};
-use twin_lab::evaluate::prediction::{COLUMNS, Column, rows, spreads};
+use twin_lab::evaluate::prediction::{COLUMNS, Column, MEASURES, SHOWN_MEASURES, rows, spreads};
 use twin_lab::evaluate::{PredictionTable, Series, Statistics, prediction_page};
 use twin_record::Outputs;
 use twin_scenario::Scenario;
@@ -55,10 +55,10 @@ pub(super) fn run(args: &PredictionArgs) -> anyhow::Result<End> {
     let scenario = Scenario::load(&args.scenario, &args.overrides.set)?;
     let inputs = args.weights.iter().chain([&args.recording]).cloned();
     let places = args.output.reserve(inputs.chain(scenario.input_files()))?;
-    let training = Series::read_training(&args.train)?;
-    places.outputs.protect(training.iter().map(|flight| &flight.file));
     let series = Series::read(&args.recording)
         .with_context(|| format!("record one: twin collect --out {}", args.train.display()))?;
+    let training = Series::read_training(&args.train)?;
+    places.outputs.protect(training.iter().map(|flight| &flight.file));
     series.compare(&training[0])?;
     let statistics = Statistics::of(&training);
     let data_hash = hash(&training);
@@ -147,7 +147,7 @@ fn candidates(
 
 /// For each of [`COLUMNS`], the number of blanks before it and its width in the terminal.
 const PLACES: [(usize, usize); COLUMNS.len()] =
-    [(2, 6), (1, 7), (1, 6), (1, 7), (2, 7), (1, 7), (2, 6), (1, 8), (2, 7), (1, 7)];
+    [(2, 6), (1, 7), (2, 7), (1, 7), (2, 6), (1, 8), (2, 7), (1, 7)];
 
 fn print_table(out: &mut dyn Write, table: &PredictionTable) -> io::Result<()> {
     let columns = || COLUMNS.into_iter().zip(PLACES);
@@ -164,7 +164,8 @@ fn print_table(out: &mut dyn Write, table: &PredictionTable) -> io::Result<()> {
     for row in &table.rows {
         let figures: Vec<String> = columns()
             .map(|(Column { decimals, value, .. }, (gap, width))| {
-                format!("{:gap$}{:width$.decimals$}", "", value(&row.replayed))
+                let text = text(value(&row.replayed), decimals);
+                format!("{:gap$}{text:>width$}", "")
             })
             .collect();
         writeln!(
@@ -178,7 +179,7 @@ fn print_table(out: &mut dyn Write, table: &PredictionTable) -> io::Result<()> {
     }
     let filled: Vec<String> = table.rows.iter().map(|row| row.name.clone()).collect();
     for (name, figures) in unfilled(&filled) {
-        writeln!(out, "{name:30} {:>101}   {}", "", paper_cells(figures))?;
+        writeln!(out, "{name:30} {:>86}   {}", "", paper_cells(figures))?;
     }
     print_horizons(out, table)?;
     writeln!(out, "\n{}", table.command)?;
@@ -198,26 +199,31 @@ fn print_table(out: &mut dyn Write, table: &PredictionTable) -> io::Result<()> {
 }
 
 fn print_horizons(out: &mut dyn Write, table: &PredictionTable) -> io::Result<()> {
-    let heads = (0..=HORIZON).map(|j| format!("    j={j}")).collect::<Vec<_>>();
-    writeln!(out, "\n{:26}{}", "RMSE z by horizon", heads.concat())?;
+    let shown = &MEASURES[..SHOWN_MEASURES];
+    let heads = shown.iter().map(|(name, _)| {
+        REPORTED.map(|j| format!("{:>8}", format!("j={j}"))).concat() + &format!("  {name}")
+    });
+    writeln!(out, "\n{:26}{}", "by horizon", heads.collect::<String>())?;
     for row in &table.rows {
-        let cells: Vec<String> =
-            row.replayed.horizons.iter().map(|h| format!("{:7.3}", h.rmse_z)).collect();
-        writeln!(out, "{:26}{}", row.name, cells.concat())?;
+        let cells = shown.iter().map(|(name, value)| {
+            let cell = |j| format!("{:>8}", text(row.replayed.at(j).map(value), 3));
+            REPORTED.map(cell).concat() + &" ".repeat(2 + name.chars().count())
+        });
+        writeln!(out, "{:26}{}", row.name, cells.collect::<String>().trim_end())?;
     }
     for s in &table.spreads {
         let pair = |[mean, std]: [f64; 2]| format!("{mean:.3} ± {std:.3}");
-        writeln!(
-            out,
-            "{} over {} trainings: RMSE {}, R² {}, RMSE j={HORIZON} {}",
-            s.name,
-            s.trainings,
-            pair(s.rmse_z),
-            pair(s.r2),
-            pair(s.rmse_z_last)
-        )?;
+        writeln!(out, "{} over {} trainings:", s.name, s.trainings)?;
+        for at in &s.horizons {
+            writeln!(out, "  j={}: RMSE {}, R² {}", at.j, pair(at.rmse_z), pair(at.r2))?;
+        }
     }
     Ok(())
+}
+
+/// The figure, or a dash where there is none.
+fn text(value: Option<f64>, decimals: usize) -> String {
+    value.map_or_else(|| "-".to_owned(), |value| format!("{value:.decimals$}"))
 }
 
 fn paper_cells([rmse, r2, ms]: [f64; 3]) -> String {

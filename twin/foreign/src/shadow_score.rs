@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use twin_core::elementary::squared;
 use twin_core::notation::{COORDINATE_NAMES, Coords, KnownMask, N, known_in_both};
-use twin_core::residual::HORIZON;
+use twin_core::residual::REPORTED;
 use twin_core::tick::Tick;
 
 /// Results per coordinate and per horizon.
@@ -87,8 +87,9 @@ pub(super) struct Score {
     /// Number of ticks at which each coordinate is known.
     coordinates: [usize; N],
     rows: [Sum; N],
-    squares: [[f64; 2]; HORIZON + 1],
-    samples: [usize; HORIZON + 1],
+    /// Sums of squared errors of the forecast and of persistence at each of [`REPORTED`], and their numbers.
+    squares: [[f64; 2]; REPORTED.len()],
+    samples: [usize; REPORTED.len()],
     pending: VecDeque<Pending>,
     last: Option<(Coords, KnownMask)>,
 }
@@ -100,8 +101,8 @@ impl Score {
             scale,
             coordinates: [0; N],
             rows: [EMPTY; N],
-            squares: [[0.0; 2]; HORIZON + 1],
-            samples: [0; HORIZON + 1],
+            squares: [[0.0; 2]; REPORTED.len()],
+            samples: [0; REPORTED.len()],
             pending: VecDeque::new(),
             last: None,
         }
@@ -133,15 +134,17 @@ impl Score {
         } else {
             self.pending.clear();
         }
-        self.pending.truncate(HORIZON + 1);
-        for (j, made) in self.pending.iter().enumerate() {
-            let forecast = made.base.get(j).or(made.base.last()).map(|base| base + made.correction);
-            let Some(forecast) = forecast else { continue };
+        self.pending.truncate(REPORTED[REPORTED.len() - 1] + 1);
+        for (at, j) in REPORTED.into_iter().enumerate() {
+            let Some(made) = self.pending.get(j) else { continue };
+            let Some(forecast) = made.base.get(j).map(|base| base + made.correction) else {
+                continue;
+            };
             for row in (0..N).filter(|row| known[*row] && made.known[*row]) {
                 let z = |error: f64| squared(error / self.scale[row]);
-                self.squares[j][0] += z(r[row] - forecast[row]);
-                self.squares[j][1] += z(r[row] - made.persistence[row]);
-                self.samples[j] += 1;
+                self.squares[at][0] += z(r[row] - forecast[row]);
+                self.squares[at][1] += z(r[row] - made.persistence[row]);
+                self.samples[at] += 1;
             }
         }
         self.last = Some((r, known));
@@ -166,14 +169,14 @@ impl Score {
                 }),
             }
         });
-        let prediction = (0..=HORIZON).map(|j| {
+        let prediction = REPORTED.into_iter().enumerate().map(|(at, j)| {
             let root =
-                |sum: f64| (self.samples[j] > 0).then(|| (sum / self.samples[j] as f64).sqrt());
+                |sum: f64| (self.samples[at] > 0).then(|| (sum / self.samples[at] as f64).sqrt());
             HorizonReport {
                 j,
-                rmse_z: root(self.squares[j][0]),
-                persistence_rmse_z: root(self.squares[j][1]),
-                samples: self.samples[j],
+                rmse_z: root(self.squares[at][0]),
+                persistence_rmse_z: root(self.squares[at][1]),
+                samples: self.samples[at],
             }
         });
         Scored { rows: rows.collect(), prediction: prediction.collect() }

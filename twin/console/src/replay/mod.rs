@@ -19,7 +19,7 @@ use crate::server::protocol::{
     EventInfo, FlightPhase, Hello, PROTOCOL_VERSION, PresetName, StateInfo,
 };
 use twin_core::notation::TICK_S;
-use twin_core::residual::{HORIZON, PredictorInfo};
+use twin_core::residual::PredictorInfo;
 use twin_core::tick::Tick;
 use twin_core::tuning::Tuning;
 use twin_input::interruption;
@@ -237,7 +237,8 @@ fn hello(
         scenario: scenario.name.clone(),
         scenarios: Vec::new(),
         tick_s: TICK_S,
-        horizon_ticks: HORIZON as u32,
+        horizon_ticks: ticks.iter().map(|tick| tick.forecast.base.len()).max().unwrap_or(1) as u32
+            - 1,
         mirror: None,
         quantities: Vec::new(),
         effects: Vec::new(),

@@ -30,6 +30,7 @@ pub struct RowSource<'a> {
 pub struct Channels {
     infos: Arc<Vec<ChannelInfo>>,
     takes: Vec<Take>,
+    horizon_ticks: u32,
 }
 
 impl Channels {
@@ -46,7 +47,13 @@ impl Channels {
         channels.gripper();
         channels.world();
         channels.forces();
-        Self { infos: Arc::new(channels.infos), takes: channels.takes }
+        let horizon_ticks = predictor.horizon as u32;
+        Self { infos: Arc::new(channels.infos), takes: channels.takes, horizon_ticks }
+    }
+
+    /// How far the channels `ahead.*` look into the future, ticks.
+    pub(super) fn horizon_ticks(&self) -> u32 {
+        self.horizon_ticks
     }
 
     /// The channels of a mirrored flight: its reference is the expected pose, and `scale` is the standard deviation of its residual, N and

@@ -10,7 +10,6 @@ use crate::server::protocol::{
 };
 use crate::server::quantity_info;
 use twin_core::notation::TICK_S;
-use twin_core::residual::HORIZON;
 use twin_core::source::EFFECTS;
 use twin_record::scene::Scene;
 
@@ -27,6 +26,8 @@ pub(super) struct Published {
     pub scene: Arc<Scene>,
     /// Channels of a row, in their order.
     pub channels: Arc<Vec<ChannelInfo>>,
+    /// How far the channels `ahead.*` look into the future, ticks.
+    pub horizon_ticks: u32,
     /// Gains with their values in force.
     pub gains: Vec<GainInfo>,
     /// Preset in force.
@@ -51,7 +52,7 @@ impl Published {
             scenario: self.state.scenario.clone(),
             scenarios: self.scenarios.to_vec(),
             tick_s: TICK_S,
-            horizon_ticks: HORIZON as u32,
+            horizon_ticks: self.horizon_ticks,
             quantities: quantity_info::list(),
             effects: EFFECTS.map(str::to_owned).to_vec(),
             mirror: self.mirror.as_deref().cloned(),

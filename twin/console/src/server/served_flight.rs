@@ -158,6 +158,7 @@ impl ServedFlight {
             scenarios,
             scene: Arc::clone(&self.scene),
             channels: Arc::clone(self.channels.infos()),
+            horizon_ticks: self.channels.horizon_ticks(),
             gains: self.gains(),
             preset: self.presets.preset(self.flight.tuning()),
             base: self.presets.base(),

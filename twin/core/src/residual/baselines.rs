@@ -13,7 +13,7 @@ use crate::tick::Forecast;
 pub use gp::Gp;
 pub use sindy::Sindy;
 
-/// Number of forecast values: eight coordinates at seven horizons.
+/// Number of forecast values: every coordinate at every step of the horizon.
 pub const TARGETS: usize = N * (HORIZON + 1);
 
 /// Turns a history into z-scored inputs, and z-scored outputs into forces.

@@ -82,6 +82,7 @@ impl Predictor for Fdt {
     fn info(&self) -> PredictorInfo {
         PredictorInfo {
             scale: self.scaling.std,
+            horizon: self.network.config().horizon,
             attends: self.attends.clone(),
             kernel: self.network.arithmetic(),
         }

@@ -178,7 +178,8 @@ impl Predictor for Baseline {
     }
 
     fn info(&self) -> PredictorInfo {
-        PredictorInfo { scale: self.scaling.std, ..PredictorInfo::default() }
+        let horizon = self.sizes.horizon;
+        PredictorInfo { scale: self.scaling.std, horizon, ..PredictorInfo::default() }
     }
 
     fn predict(&mut self, history: &History) -> Forecast {

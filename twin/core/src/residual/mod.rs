@@ -34,8 +34,12 @@ pub use oracle::Oracle;
 pub use persistence::Persistence;
 pub use random_features::RandomFeatures;
 
-/// Horizon `k` of a forecast: `j = 0..=k`.
+/// Horizon `k`, ticks, of a predictor whose weights do not say another one: `j = 0..=k`. After 250 ms every filter between an estimate
+/// of the residual and the force on the vehicle has answered. The paper's is 6.
 pub const HORIZON: usize = 25;
+
+/// The steps `j` of a forecast whose errors tables state; a predictor with a shorter horizon has no figure for the later ones.
+pub const REPORTED: [usize; 5] = [0, 3, 6, 10, 20];
 
 /// A predictor forecasts the residual from the history; it is deterministic and never fails.
 ///
@@ -101,10 +105,18 @@ pub trait Predictor: Send {
 pub struct PredictorInfo {
     /// Standard deviation of the residual per coordinate, N and N m: the unit of the adapter's z-scored innovation.
     pub scale: Coords,
+    /// Horizon `k` of its forecasts, ticks.
+    #[serde(default = "paper_horizon")]
+    pub horizon: usize,
     /// Names of the input channels of its attention; empty if it has no attention.
     pub attends: Vec<String>,
     /// Arithmetic of its network: two flights of one seed are equal bit for bit only if this is equal too.
     pub kernel: String,
+}
+
+/// Horizon of recordings that were made before [`PredictorInfo::horizon`] existed, ticks.
+fn paper_horizon() -> usize {
+    6
 }
 
 impl Default for PredictorInfo {
@@ -112,6 +124,7 @@ impl Default for PredictorInfo {
     fn default() -> Self {
         Self {
             scale: Coords::from(NOMINAL_SCALE),
+            horizon: HORIZON,
             attends: Vec::new(),
             kernel: Kernel::SCALAR.name().to_owned(),
         }

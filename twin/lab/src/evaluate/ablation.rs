@@ -12,7 +12,7 @@ use super::replay::replay;
 use super::series::{EvaluateError, ReplayTick, Series, Statistics};
 use super::sheet::{Sheet, figure};
 use twin_core::notation::Coords;
-use twin_core::residual::HORIZON;
+use twin_core::residual::REPORTED;
 use twin_core::residual::weights::Weights;
 use twin_scenario::{Report, Scenario, fly};
 
@@ -90,7 +90,7 @@ pub fn measure(
 ) -> Result<(Vec<f64>, f64), EvaluateError> {
     let tuning = scenario.tuning().map_err(twin_scenario::BuildError::from)?;
     let wanted = if name == "without_lra" { "fdt" } else { "fdt_lra" };
-    let (mut squares, mut r2) = (vec![0.0; HORIZON + 1], 0.0);
+    let (mut squares, mut r2) = (Vec::new(), 0.0);
     for flight in flights {
         let candidates = trained(weights, file, &tuning)?;
         let Some(Candidate { mut entrant, .. }) = candidates.into_iter().find(|c| c.name == wanted)
@@ -98,10 +98,11 @@ pub fn measure(
             continue;
         };
         let horizons = replay(&mut entrant, flight, statistics).horizons;
+        squares.resize(horizons.len(), 0.0);
         for (sum, horizon) in squares.iter_mut().zip(&horizons) {
             *sum += horizon.rmse_z * horizon.rmse_z;
         }
-        r2 += horizons[0].r2;
+        r2 += horizons.first().map_or(f64::NAN, |now| now.r2);
     }
     let n = flights.len().max(1) as f64;
     Ok((squares.into_iter().map(|sum| (sum / n).sqrt()).collect(), r2 / n))
@@ -109,14 +110,14 @@ pub fn measure(
 
 /// The table as plain cells.
 pub fn sheet(rows: &[Variant]) -> Sheet {
-    let horizons = (0..=HORIZON).map(|j| format!("RMSE z, j = {j}"));
+    let horizons = REPORTED.map(|j| format!("RMSE z, j = {j}"));
     let head = ["variant", "R²", "Δ %", "paper RMSE", "paper Δ %"].map(str::to_owned);
     let mut sheet = Sheet::new(head.into_iter().chain(horizons));
     sheet.rows.extend(rows.iter().map(|row| {
         let paper = [0, 1].map(|at| row.paper.map(|paper| paper[at]));
         let own = [row.r2, row.delta_percent].map(Some);
         let figures = own.into_iter().chain(paper).map(|v| figure(v, 3));
-        let by_horizon = row.rmse_z_by_horizon.iter().map(|v| figure(Some(*v), 4));
+        let by_horizon = REPORTED.map(|j| figure(row.rmse_z_by_horizon.get(j).copied(), 4));
         std::iter::once(row.name.clone()).chain(figures).chain(by_horizon).collect()
     }));
     sheet

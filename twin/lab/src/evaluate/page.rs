@@ -3,10 +3,12 @@
 use std::fmt::Write;
 
 use super::pictures::{Curve, Picture, horizon_curve};
-use super::prediction::{COLUMNS, Column, PredictionTable, Row};
+use super::prediction::{COLUMNS, Column, MEASURES, PredictionTable, Row, SHOWN_MEASURES};
+use super::replay::DRAWN_STEPS;
+use super::score::Horizon;
 use super::series::Series;
 use twin_core::notation::{COORDINATE_NAMES, TICK_S};
-use twin_core::residual::HORIZON;
+use twin_core::residual::REPORTED;
 use twin_scenario::markup::{self, escaped};
 
 const STYLE: &str = "
@@ -26,8 +28,10 @@ const MOST_TRACES: usize = 4;
 pub fn prediction_page(table: &PredictionTable, series: &Series) -> String {
     let mut body = "<h1>Residual prediction, a priori</h1>".to_owned();
     figures(&mut body, table);
-    let _ = write!(body, "<h2>Error over the horizon</h2>{}", over_horizon(&table.rows).svg());
-    for at in [0, HORIZON] {
+    let _ = write!(body, "<h2>Error over the horizon</h2>");
+    horizons(&mut body, &table.rows);
+    body.push_str(&over_horizon(&table.rows).svg());
+    for at in 0..DRAWN_STEPS.len() {
         for row in DRAWN {
             let _ = write!(body, "{}", over_time(table, series, row, at).svg());
         }
@@ -61,9 +65,7 @@ fn figures(page: &mut String, table: &PredictionTable) {
          <th>paper RMSE</th><th>R²</th><th>ms</th></tr></thead><tbody>",
     );
     for row in &table.rows {
-        let figure = |Column { decimals, value, .. }: Column| {
-            format!("<td>{:.decimals$}</td>", value(&row.replayed))
-        };
+        let figure = |Column { decimals, value, .. }: Column| cell(value(&row.replayed), decimals);
         let paper = row.paper.map_or_else(
             || "<td>–</td>".repeat(3),
             |paper| paper.map(|v| format!("<td>{v}</td>")).concat(),
@@ -78,17 +80,35 @@ fn figures(page: &mut String, table: &PredictionTable) {
     }
     page.push_str("</tbody></table>");
     for s in &table.spreads {
-        let _ = write!(
-            page,
-            "<p>{} over {} trainings: RMSE {:.3} ± {:.3}, R² {:.3} ± {:.3}</p>",
-            escaped(&s.name),
-            s.trainings,
-            s.rmse_z[0],
-            s.rmse_z[1],
-            s.r2[0],
-            s.r2[1],
-        );
+        let at = s.horizons.iter().map(|at| {
+            let ([rmse, rmse_std], [r2, r2_std]) = (at.rmse_z, at.r2);
+            let j = at.j;
+            format!("j = {j}: RMSE {rmse:.3} ± {rmse_std:.3}, R² {r2:.3} ± {r2_std:.3}")
+        });
+        let at = at.collect::<Vec<_>>().join("; ");
+        let _ = write!(page, "<p>{} over {} trainings: {at}</p>", escaped(&s.name), s.trainings);
     }
+}
+
+/// A cell with a figure, or a dash where there is none.
+fn cell(value: Option<f64>, decimals: usize) -> String {
+    value.map_or_else(|| "<td>–</td>".to_owned(), |v| format!("<td>{v:.decimals$}</td>"))
+}
+
+/// The table of errors by horizon.
+fn horizons(page: &mut String, rows: &[Row]) {
+    let shown = &MEASURES[..SHOWN_MEASURES];
+    let heads =
+        shown.iter().flat_map(|(name, _)| REPORTED.map(|j| format!("<th>{name}, j = {j}</th>")));
+    let heads = heads.collect::<String>();
+    let _ = write!(page, "<table><thead><tr><th>row</th>{heads}</tr></thead><tbody>");
+    for row in rows {
+        let of = |j: usize, value: fn(&Horizon) -> f64| cell(row.replayed.at(j).map(value), 3);
+        let cells = shown.iter().flat_map(|(_, value)| REPORTED.map(|j| of(j, *value)));
+        let cells = cells.collect::<String>();
+        let _ = write!(page, "<tr><td>{}</td>{cells}</tr>", escaped(&row.label));
+    }
+    page.push_str("</tbody></table>");
 }
 
 fn over_horizon(rows: &[Row]) -> Picture {
@@ -97,12 +117,14 @@ fn over_horizon(rows: &[Row]) -> Picture {
         ..horizon_curve(&row.label, row.replayed.horizons.iter().map(|h| h.rmse_z))
     };
     // With a larger range of the axis, the curves below 1 could not be distinguished.
-    let best = |row: &&Row| row.replayed.horizons[0].rmse_z < 1.0;
+    let best = |row: &&Row| row.replayed.at(0).is_some_and(|h| h.rmse_z < 1.0);
     let title = "RMSE, z-scored, of the predictors below 1";
     Picture::over_horizon(title, rows.iter().filter(best).map(curve))
 }
 
+/// The coordinate `row` over time, and its forecasts by step `at` of [`DRAWN_STEPS`].
 fn over_time(table: &PredictionTable, series: &Series, row: usize, at: usize) -> Picture {
+    let ahead = DRAWN_STEPS[at];
     let window = |t_s: f64| (FROM_S..FROM_S + WINDOW_S).contains(&t_s);
     let measured = Curve {
         name: "measured".to_owned(),
@@ -114,24 +136,24 @@ fn over_time(table: &PredictionTable, series: &Series, row: usize, at: usize) ->
             .collect(),
         measured: true,
     };
-    let mut drawn: Vec<&Row> =
-        table.rows.iter().filter(|row| row.replayed.horizons[at].rmse_z < 1.0).collect();
-    drawn.sort_by(|a, b| a.replayed.horizons[at].rmse_z.total_cmp(&b.replayed.horizons[at].rmse_z));
+    let error = |row: &Row| row.replayed.at(ahead).map_or(f64::INFINITY, |h| h.rmse_z);
+    let mut drawn: Vec<&Row> = table.rows.iter().filter(|row| error(row) < 1.0).collect();
+    drawn.sort_by(|a, b| error(a).total_cmp(&error(b)));
     let curves = drawn.iter().take(MOST_TRACES).map(|entrant| Curve {
         name: entrant.label.clone(),
         points: series
             .samples
             .iter()
             .zip(&entrant.replayed.traces)
-            .map(|(sample, trace)| {
-                (sample.t_s + at as f64 * TICK_S, trace[usize::from(at > 0)][row])
+            .filter_map(|(sample, trace)| {
+                Some((sample.t_s + ahead as f64 * TICK_S, trace[at]?[row]))
             })
             .filter(|(t_s, _)| window(*t_s))
             .collect(),
         measured: false,
     });
     Picture {
-        title: format!("residual {}, forecast {at} ticks ahead", COORDINATE_NAMES[row]),
+        title: format!("residual {}, forecast {ahead} ticks ahead", COORDINATE_NAMES[row]),
         x: "t, s".to_owned(),
         y: if row < 3 { "N" } else { "N m" }.to_owned(),
         curves: std::iter::once(measured).chain(curves).collect(),

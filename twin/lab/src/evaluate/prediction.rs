@@ -10,7 +10,7 @@ use super::score::Horizon;
 use super::series::{Series, Statistics};
 use super::sheet::{Sheet, figure};
 use twin_core::elementary::squared;
-use twin_core::residual::HORIZON;
+use twin_core::residual::REPORTED;
 
 /// A line of the table.
 #[derive(Clone, Debug, Serialize)]
@@ -40,8 +40,8 @@ pub struct Column {
     pub short: &'static str,
     /// Decimals.
     pub decimals: usize,
-    /// The figure.
-    pub value: fn(&Replayed) -> f64,
+    /// The figure; `None` if the line has none.
+    pub value: fn(&Replayed) -> Option<f64>,
 }
 
 impl Column {
@@ -49,36 +49,37 @@ impl Column {
         name: &'static str,
         short: &'static str,
         decimals: usize,
-        value: fn(&Replayed) -> f64,
+        value: fn(&Replayed) -> Option<f64>,
     ) -> Self {
         Self { name, short, decimals, value }
     }
 }
 
-/// The figures of a line, in order. The sheet holds the figures of every horizon.
-pub const COLUMNS: [Column; 10] = [
-    Column::new("RMSE z", "RMSE z", 3, |r| r.horizons[0].rmse_z),
-    Column::new("R²", "R²", 3, |r| r.horizons[0].r2),
-    Column::new("RMSE z, j = 6", "j=6", 3, |r| r.horizons[HORIZON].rmse_z),
-    Column::new("R², j = 6", "R² j=6", 3, |r| r.horizons[HORIZON].r2),
-    Column::new("N", "N", 3, |r| r.horizons[0].rmse_n),
-    Column::new("N m", "N m", 4, |r| r.horizons[0].rmse_n_m),
-    Column::new("‖ε‖", "|eps|", 3, |r| r.innovation_norm_mean),
-    Column::new("leverage", "leverage", 3, |r| r.leverage),
-    Column::new("ms p50", "ms p50", 3, |r| r.inference_ms_p50),
-    Column::new("p99", "p99", 3, |r| r.inference_ms_p99),
+/// The figures of a line at `j = 0`, in order. [`MEASURES`] has those of the later steps.
+pub const COLUMNS: [Column; 8] = [
+    Column::new("RMSE z", "RMSE z", 3, |r| r.at(0).map(|h| h.rmse_z)),
+    Column::new("R²", "R²", 3, |r| r.at(0).map(|h| h.r2)),
+    Column::new("N", "N", 3, |r| r.at(0).map(|h| h.rmse_n)),
+    Column::new("N m", "N m", 4, |r| r.at(0).map(|h| h.rmse_n_m)),
+    Column::new("‖ε‖", "|eps|", 3, |r| Some(r.innovation_norm_mean)),
+    Column::new("leverage", "leverage", 3, |r| Some(r.leverage)),
+    Column::new("ms p50", "ms p50", 3, |r| Some(r.inference_ms_p50)),
+    Column::new("p99", "p99", 3, |r| Some(r.inference_ms_p99)),
 ];
 
-/// A figure of one horizon, with its name in the sheet.
-type Measure = (&'static str, fn(&Horizon) -> f64);
+/// A figure of one horizon, with its name.
+pub type Measure = (&'static str, fn(&Horizon) -> f64);
 
-/// The figures that the sheet holds for every horizon.
-const MEASURES: [Measure; 4] = [
+/// The figures of each of [`REPORTED`]; the terminal and the page show the first [`SHOWN_MEASURES`].
+pub const MEASURES: [Measure; 4] = [
     ("RMSE z", |h| h.rmse_z),
     ("R²", |h| h.r2),
     ("RMSE N", |h| h.rmse_n),
     ("RMSE N m", |h| h.rmse_n_m),
 ];
+
+/// Number of [`MEASURES`] that the terminal and the page show.
+pub const SHOWN_MEASURES: usize = 2;
 
 /// A model that was trained with several seeds: mean and standard deviation (n - 1) over the trainings.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -87,12 +88,19 @@ pub struct Spread {
     pub name: String,
     /// Number of trainings.
     pub trainings: usize,
-    /// z-scored RMSE at `j = 0`.
+    /// The figures at each of [`REPORTED`] that the horizon of the model reaches.
+    pub horizons: Vec<SpreadAt>,
+}
+
+/// The spread at one horizon.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SpreadAt {
+    /// Ticks ahead.
+    pub j: usize,
+    /// z-scored RMSE.
     pub rmse_z: [f64; 2],
-    /// R² at `j = 0`.
+    /// R².
     pub r2: [f64; 2],
-    /// z-scored RMSE at `j = k`.
-    pub rmse_z_last: [f64; 2],
 }
 
 /// The spread of every model and size that has more than one line, in the order of the lines.
@@ -106,19 +114,21 @@ pub fn spreads(rows: &[Row]) -> Vec<Spread> {
     }
     let of = |one: (String, Option<usize>)| -> Option<Spread> {
         let same: Vec<&Row> = rows.iter().filter(|row| kind(row) == one).collect();
-        let over = |value: fn(&Replayed) -> f64| {
+        let over = |j: usize, value: fn(&Horizon) -> f64| -> Option<[f64; 2]> {
             let n = same.len() as f64;
-            let values = || same.iter().map(|row| value(&row.replayed));
-            let mean = values().sum::<f64>() / n;
-            let squares = values().map(|v| squared(v - mean)).sum::<f64>();
-            [mean, (squares / (n - 1.0)).sqrt()]
+            let values: Option<Vec<f64>> =
+                same.iter().map(|row| row.replayed.at(j).map(value)).collect();
+            let values = values?;
+            let mean = values.iter().sum::<f64>() / n;
+            let squares = values.iter().map(|v| squared(v - mean)).sum::<f64>();
+            Some([mean, (squares / (n - 1.0)).sqrt()])
         };
+        let at = |j| Some(SpreadAt { j, rmse_z: over(j, |h| h.rmse_z)?, r2: over(j, |h| h.r2)? });
+        let horizons = || REPORTED.into_iter().filter_map(at).collect();
         (same.len() > 1).then(|| Spread {
             name: one.0,
             trainings: same.len(),
-            rmse_z: over(|r| r.horizons[0].rmse_z),
-            r2: over(|r| r.horizons[0].r2),
-            rmse_z_last: over(|r| r.horizons[HORIZON].rmse_z),
+            horizons: horizons(),
         })
     };
     kinds.into_iter().filter_map(of).collect()
@@ -150,12 +160,11 @@ pub struct PredictionTable {
 }
 
 impl PredictionTable {
-    /// The table as plain cells, with every horizon.
+    /// The table as plain cells, with every reported horizon.
     pub fn sheet(&self) -> Sheet {
         let head = ["row", "label", "parameters", "weights", "trained on"];
-        let horizons = MEASURES
-            .iter()
-            .flat_map(|(name, _)| (0..=HORIZON).map(move |j| format!("{name}, j = {j}")));
+        let horizons =
+            MEASURES.iter().flat_map(|(name, _)| REPORTED.map(|j| format!("{name}, j = {j}")));
         let tail = ["leverage", "resets", "ms p50", "ms p99", "paper RMSE", "paper R²", "paper ms"];
         let own = |words: &[&str]| words.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>();
         let mut sheet = Sheet::new(own(&head).into_iter().chain(horizons).chain(own(&tail)));
@@ -176,7 +185,7 @@ impl Row {
             known(&self.trained_on),
         ];
         for (_, value) in MEASURES {
-            cells.extend(r.horizons.iter().map(|h| figure(Some(value(h)), 4)));
+            cells.extend(REPORTED.map(|j| figure(r.at(j).map(value), 4)));
         }
         cells.extend([figure(Some(r.leverage), 3), r.resets.to_string()]);
         cells.extend([r.inference_ms_p50, r.inference_ms_p99].map(|ms| figure(Some(ms), 3)));
@@ -226,7 +235,7 @@ mod tests {
             weights: None,
             paper: None,
             replayed: Replayed {
-                horizons: (0..=HORIZON).map(horizon).collect(),
+                horizons: (0..=6).map(horizon).collect(),
                 innovation_norm_mean: 0.0,
                 innovation_mean_q999: 0.0,
                 leverage: 0.0,
@@ -244,7 +253,17 @@ mod tests {
         assert_eq!(found.len(), 1, "{found:?}");
         assert_eq!(found[0].trainings, 2);
         // Mean and standard deviation (n - 1) of 0.1 and 0.3, within rounding.
-        let [mean, deviation] = found[0].rmse_z;
+        let [mean, deviation] = found[0].horizons[0].rmse_z;
         assert!((mean - 0.2).abs() < 1e-12 && (deviation - 0.02_f64.sqrt()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_line_has_no_figure_beyond_its_horizon() {
+        let found = spreads(&[row(10, 0.1), row(10, 0.3)]);
+        let steps: Vec<usize> = found[0].horizons.iter().map(|at| at.j).collect();
+        assert_eq!(steps, [0, 3, 6]);
+        let cells = row(10, 0.1).cells();
+        let rmse: Vec<&str> = cells[5..5 + REPORTED.len()].iter().map(String::as_str).collect();
+        assert_eq!(rmse, ["0.1000", "0.1000", "0.1000", "", ""]);
     }
 }

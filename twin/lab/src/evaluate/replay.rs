@@ -7,12 +7,12 @@ use std::time::Instant;
 use serde::Serialize;
 
 use super::score::{Horizon, Score};
-use super::series::{Series, Statistics};
+use super::series::{SCORED_FROM_S, Series, Statistics};
 use twin_core::notation::{Coords, TICK_S};
 use twin_core::residual::{History, Predictor, lra};
 
-/// Ticks before this time belong to the start, while histories fill and filters settle, s.
-const FROM_S: f64 = 2.0;
+/// The steps of a forecast that pictures draw over time.
+pub const DRAWN_STEPS: [usize; 3] = [0, 6, 20];
 
 /// Predictor and adapter that are replayed.
 pub struct Entrant {
@@ -43,9 +43,16 @@ pub struct Replayed {
     pub inference_ms_p50: f64,
     /// The same, 99 % quantile, ms.
     pub inference_ms_p99: f64,
-    /// A-priori forecasts for this tick and for `k` ticks later, per tick, for pictures.
+    /// A-priori forecasts of [`DRAWN_STEPS`], per tick, for pictures; `None` beyond the horizon.
     #[serde(skip)]
-    pub traces: Vec<[Coords; 2]>,
+    pub traces: Vec<[Option<Coords>; DRAWN_STEPS.len()]>,
+}
+
+impl Replayed {
+    /// The errors `j` ticks ahead; `None` beyond the horizon of the predictor, and if no forecast was scored.
+    pub fn at(&self, j: usize) -> Option<&Horizon> {
+        self.horizons.get(j).filter(|horizon| horizon.samples > 0)
+    }
 }
 
 /// Replays `series` through `entrant`.
@@ -71,8 +78,8 @@ pub fn replay(entrant: &mut Entrant, series: &Series, statistics: &Statistics) -
         let base = forecast.base.first().map_or_else(Coords::zeros, |base| **base);
         let correction = *adapted.r_hat_prior - base;
         let ahead: Vec<Coords> = forecast.base.iter().map(|base| **base + correction).collect();
-        let counts = sample.usable && sample.t_s >= FROM_S;
-        traces.push([*adapted.r_hat_prior, ahead.last().copied().unwrap_or(base)]);
+        let counts = sample.usable && sample.t_s >= SCORED_FROM_S;
+        traces.push(DRAWN_STEPS.map(|j| ahead.get(j).copied()));
         score.add(ahead, &sample.residual, counts);
         if counts {
             resets += u64::from(adapted.reset);

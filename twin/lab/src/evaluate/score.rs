@@ -9,7 +9,6 @@ use serde::Serialize;
 
 use super::series::Statistics;
 use twin_core::notation::{Coords, N};
-use twin_core::residual::HORIZON;
 
 /// Errors at one horizon.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -42,24 +41,22 @@ struct Sums {
 pub struct Score {
     statistics: Statistics,
     pending: VecDeque<Vec<Coords>>,
-    sums: [Sums; HORIZON + 1],
+    /// By horizon, as far as the longest forecast reaches.
+    sums: Vec<Sums>,
 }
 
 impl Score {
     /// A score without forecasts; z-scores use `statistics`.
     pub fn new(statistics: &Statistics) -> Self {
-        Self {
-            statistics: statistics.clone(),
-            pending: VecDeque::new(),
-            sums: [Sums::default(); HORIZON + 1],
-        }
+        Self { statistics: statistics.clone(), pending: VecDeque::new(), sums: Vec::new() }
     }
 
-    /// Adds a tick: its residual, and the forecast for `j = 0..=k` that was made at this tick before the residual was known. The last
-    /// entry of the forecast stands for all later horizons. If `counts` is false, no forecast is scored against this residual.
+    /// Adds a tick: its residual, and the forecast for `j = 0..=k` that was made at this tick before the residual was known. If `counts`
+    /// is false, no forecast is scored against this residual.
     pub fn add(&mut self, forecast: Vec<Coords>, residual: &Coords, counts: bool) {
+        self.sums.resize(self.sums.len().max(forecast.len()), Sums::default());
         self.pending.push_front(forecast);
-        self.pending.truncate(HORIZON + 1);
+        self.pending.truncate(self.sums.len());
         if !counts {
             return;
         }
@@ -68,7 +65,7 @@ impl Score {
         };
         let value = z(residual);
         for (j, made) in self.pending.iter().enumerate() {
-            let Some(forecast) = made.get(j).or(made.last()) else { continue };
+            let Some(forecast) = made.get(j) else { continue };
             let error = value - z(forecast);
             let sums = &mut self.sums[j];
             sums.count += 1.0;
@@ -78,7 +75,7 @@ impl Score {
         }
     }
 
-    /// The scores of every horizon.
+    /// The scores of every horizon, as far as the forecasts reach.
     pub fn finish(&self) -> Vec<Horizon> {
         let std = &self.statistics.output_std;
         let one = |(j, sums): (usize, &Sums)| {
@@ -106,6 +103,7 @@ impl Score {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use twin_core::residual::HORIZON;
 
     /// A few thousand roundings of numbers near 1.
     const ROUNDING: f64 = 1e-12;
@@ -131,7 +129,7 @@ mod tests {
         for tick in 0..1000 {
             let ahead = (0..=HORIZON).map(|j| wave(tick + j)).collect();
             perfect.add(ahead, &wave(tick), true);
-            mean.add(vec![statistics().output_mean], &wave(tick), true);
+            mean.add(vec![statistics().output_mean; HORIZON + 1], &wave(tick), true);
         }
         for (good, none) in perfect.finish().iter().zip(mean.finish()) {
             assert!(good.rmse_z == 0.0 && (good.r2 - 1.0).abs() < ROUNDING);
@@ -145,7 +143,7 @@ mod tests {
     fn persistence_of_a_square_wave_is_wrong_by_two_at_even_horizons_only() {
         let mut score = Score::new(&statistics());
         for tick in 1..2001 {
-            score.add(vec![wave(tick - 1)], &wave(tick), true);
+            score.add(vec![wave(tick - 1); HORIZON + 1], &wave(tick), true);
         }
         for horizon in score.finish() {
             // r_{t-1} against r_{t+j}: j + 1 ticks apart. R² = 1 - 4/1 where they differ.
@@ -171,10 +169,21 @@ mod tests {
     }
 
     #[test]
+    fn a_forecast_is_scored_as_far_as_it_reaches() {
+        let mut score = Score::new(&statistics());
+        for tick in 0..20 {
+            score.add((0..=6).map(|j| wave(tick + j)).collect(), &wave(tick), true);
+        }
+        let horizons = score.finish();
+        assert_eq!(horizons.len(), 7);
+        assert!(horizons.iter().all(|h| h.rmse_z == 0.0 && h.samples == 20 - h.j as u64));
+    }
+
+    #[test]
     fn ticks_that_do_not_count_still_age_the_forecasts() {
         let mut score = Score::new(&statistics());
-        for tick in 0..12 {
-            score.add((0..=HORIZON).map(|j| wave(tick + j)).collect(), &wave(tick), tick >= 7);
+        for tick in 0..HORIZON + 6 {
+            score.add((0..=HORIZON).map(|j| wave(tick + j)).collect(), &wave(tick), tick > HORIZON);
         }
         assert!(score.finish().iter().all(|h| h.rmse_z == 0.0 && h.samples == 5));
     }

@@ -12,6 +12,9 @@ use twin_core::tick::{Adaptation, Tick};
 use twin_foreign::recorded_nominal_inertia;
 use twin_record::{RecordingError, read_recording};
 
+/// Ticks before this time belong to the start, while histories fill and filters settle, s.
+pub(super) const SCORED_FROM_S: f64 = 2.0;
+
 /// Reason why a table cannot be made.
 #[derive(Debug, thiserror::Error)]
 pub enum EvaluateError {
@@ -30,6 +33,25 @@ pub enum EvaluateError {
         found: Vec<f64>,
         /// `M_bar` of the other recordings.
         expected: Vec<f64>,
+    },
+    /// A recording has no tick that can be scored or learned from.
+    #[error(
+        "{}: none of its {ticks} ticks can be scored: in {following} the reference follows the measurement, as in a mirrored flight; in {held} adaptation is held, as in contact and on the ground; {early} are in the first {SCORED_FROM_S} s, while filters settle; {faulty} have a fault. Name a flight of this program that flies free, such as one of `twin collect`",
+        .path.display()
+    )]
+    NothingUsable {
+        /// The recording.
+        path: PathBuf,
+        /// Number of its ticks.
+        ticks: usize,
+        /// Number of ticks whose reference follows the measurement.
+        following: usize,
+        /// Number of ticks in which adaptation is held.
+        held: usize,
+        /// Number of ticks with a fault.
+        faulty: usize,
+        /// Number of ticks before [`SCORED_FROM_S`].
+        early: usize,
     },
     /// A folder contains no training recordings.
     #[error("{}: no recording collect_*.mcap in it; make some: twin collect --out {}", .0.display(), .0.display())]
@@ -83,6 +105,24 @@ pub struct ReplayTick {
     pub usable: bool,
 }
 
+/// Refuses a flight without a usable tick, whose scores would be those of nothing.
+fn some_usable(path: &Path, ticks: &[Tick]) -> Result<(), EvaluateError> {
+    let scored =
+        |tick: &Tick| ReplayTick::from(tick).usable && tick.measurement.t_s >= SCORED_FROM_S;
+    if ticks.iter().any(scored) {
+        return Ok(());
+    }
+    let count = |which: fn(&Tick) -> bool| ticks.iter().filter(|tick| which(tick)).count();
+    Err(EvaluateError::NothingUsable {
+        path: path.to_owned(),
+        ticks: ticks.len(),
+        following: count(|tick| tick.reference.follows_measurement),
+        held: count(|tick| tick.reference.adaptation != Adaptation::Free),
+        faulty: count(|tick| tick.fault.is_some()),
+        early: count(|tick| tick.measurement.t_s < SCORED_FROM_S),
+    })
+}
+
 impl From<&Tick> for ReplayTick {
     fn from(tick: &Tick) -> Self {
         Self {
@@ -130,9 +170,10 @@ impl Series {
     /// Reads a recording of this program.
     ///
     /// # Errors
-    /// [`EvaluateError`] if the recording cannot be read or does not say its `M_bar`.
+    /// [`EvaluateError`] if the recording cannot be read, does not say its `M_bar` or has no usable tick.
     pub fn read(path: &Path) -> Result<Self, EvaluateError> {
         let recording = read_recording(path)?;
+        some_usable(path, &recording.ticks)?;
         let samples: Vec<ReplayTick> = recording.ticks.iter().map(ReplayTick::from).collect();
         Ok(Self {
             file: path.to_owned(),
@@ -233,4 +274,40 @@ impl Statistics {
 pub(super) fn row(before: &ReplayTick, now: &ReplayTick) -> [f64; 4 * N] {
     let parts = [&now.chi, &now.chi_dot, &before.tau, &now.residual];
     std::array::from_fn(|i| parts[i / N][i % N])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use twin_core::fixture;
+
+    #[test]
+    fn a_flight_without_a_usable_tick_is_refused_with_the_reasons() {
+        let mut ticks: Vec<Tick> = (0..5).map(fixture::tick).collect();
+        for (tick, t_s) in ticks.iter_mut().zip(0_u8..) {
+            tick.measurement.t_s = SCORED_FROM_S + f64::from(t_s);
+            tick.reference.follows_measurement = false;
+            tick.reference.adaptation = Adaptation::Free;
+            tick.fault = None;
+        }
+        let path = Path::new("flight.mcap");
+        assert!(some_usable(path, &ticks).is_ok());
+        ticks[..3].iter_mut().for_each(|tick| tick.reference.follows_measurement = true);
+        assert!(some_usable(path, &ticks).is_ok(), "two are left");
+        ticks[3].measurement.t_s = SCORED_FROM_S / 2.0;
+        ticks[4].measurement.t_s = SCORED_FROM_S / 2.0;
+        assert!(some_usable(path, &ticks).is_err(), "two are early");
+        ticks[2..].iter_mut().for_each(|tick| tick.reference.adaptation = Adaptation::Held);
+        let words = some_usable(path, &ticks).unwrap_err().to_string();
+        for part in [
+            "flight.mcap: none of its 5",
+            "in 3 the reference",
+            "in 3 adaptation",
+            "2 are in the first 2 s",
+            "0 have a fault",
+        ] {
+            assert!(words.contains(part), "{part:?} is not in {words:?}");
+        }
+        assert!(some_usable(path, &[]).is_err(), "an empty flight has none");
+    }
 }
