@@ -29,7 +29,7 @@ pub(super) struct PredictionArgs {
     #[arg(
         long,
         value_delimiter = ',',
-        default_value = "persistence,gravity,bias,random_features,sindy,gp"
+        default_value = "persistence,tdc_extrapolated,arx_rls,gravity,bias,random_features,sindy,gp"
     )]
     models: Vec<String>,
     /// File of weights; an FDT gives two lines, without and with the adapter (repeatable).

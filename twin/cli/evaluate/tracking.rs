@@ -26,7 +26,11 @@ pub(super) struct TrackingArgs {
     #[arg(long, default_value_t = 10)]
     seeds: u64,
     /// Methods without a file of weights, one line each; `fdt` and `fdt_lra` fly the built-in weights; '' for none.
-    #[arg(long, value_delimiter = ',', default_value = "pid,l1,tdc,random_features")]
+    #[arg(
+        long,
+        value_delimiter = ',',
+        default_value = "pid,l1,tdc,tdc_extrapolated,arx_rls,random_features"
+    )]
     rows: Vec<String>,
     /// Gain presets.
     #[arg(long, value_delimiter = ',', default_value = "tuned,paper")]
@@ -55,11 +59,13 @@ pub(super) struct TrackingArgs {
 }
 
 /// Name of a line and the overrides that make it.
-const ROWS: [(&str, &[&str]); 7] = [
+const ROWS: [(&str, &[&str]); 9] = [
     ("pid", &["controller.kind=pid"]),
     ("l1", &["controller.kind=l1"]),
     ("tdc", &["predictor.kind=persistence"]),
     ("oracle", &["predictor.kind=oracle"]),
+    ("tdc_extrapolated", &["predictor.kind=tdc_extrapolated"]),
+    ("arx_rls", &["predictor.kind=arx_rls"]),
     ("random_features", &["predictor.kind=random_features"]),
     ("fdt", &["predictor.kind=fdt", "gains.adapter_on=0"]),
     ("fdt_lra", &["predictor.kind=fdt"]),

@@ -14,8 +14,8 @@ use twin_core::control::{
 use twin_core::flight::Parts;
 use twin_core::notation::{Coords, GRAVITY_M_S2};
 use twin_core::residual::{
-    Bias, Gravity, GravityModel, Persistence, Predictor, PredictorInfo, RandomFeatures,
-    ZeroPredictor, lra,
+    ArxRls, Bias, Extrapolated, Gravity, GravityModel, Persistence, Predictor, PredictorInfo,
+    RandomFeatures, ZeroPredictor, lra,
 };
 use twin_core::task::ToolKinematics;
 use twin_core::tick::{GripperCommand, Setpoint};
@@ -222,6 +222,8 @@ fn predictor(
         PredictorKind::Gravity => Box::new(Gravity::new(gravity())),
         // An oracle rehearses with persistence.
         PredictorKind::Persistence | PredictorKind::Oracle => Box::new(Persistence),
+        PredictorKind::TdcExtrapolated => Box::new(Extrapolated),
+        PredictorKind::ArxRls => Box::new(ArxRls::default()),
         PredictorKind::Bias => Box::new(Bias::new(gravity())),
         PredictorKind::RandomFeatures => Box::new(RandomFeatures::new(
             gravity(),

@@ -211,6 +211,10 @@ pub enum PredictorKind {
     Persistence,
     /// The residual of rehearsals of the same flight: the upper bound that no method reaches.
     Oracle,
+    /// The last residual and its fading slope.
+    TdcExtrapolated,
+    /// An autoregression that learns in flight by recursive least squares.
+    ArxRls,
     /// Gravity and an adapted offset.
     Bias,
     /// Gravity and adapted random features.

@@ -10,6 +10,8 @@ pub mod foresight;
 pub mod gravity;
 pub mod persistence;
 pub mod oracle;
+pub mod extrapolated;
+pub mod arx;
 pub mod random_features;
 mod scaling;
 pub mod weights;
@@ -26,6 +28,8 @@ use crate::notation::Coords;
 use crate::tick::Forecast;
 use nn::kernels::Kernel;
 
+pub use arx::ArxRls;
+pub use extrapolated::Extrapolated;
 pub use failing::Failing;
 pub use fdt::Fdt;
 pub use gravity::{Bias, Gravity, ZeroPredictor};

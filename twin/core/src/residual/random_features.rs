@@ -37,7 +37,7 @@ const MEAN_TICKS: f64 = 60.0;
 /// Scales of attitude (rad), of joint angles (rad) and of the eight rates (m/s, rad/s).
 const ATTITUDE_SCALE_RAD: f64 = 0.1;
 const JOINT_SCALE_RAD: f64 = 0.5;
-const RATE_SCALE: [f64; 8] = [0.5, 0.5, 0.3, 0.3, 0.3, 0.2, 0.5, 0.5];
+pub(super) const RATE_SCALE: [f64; 8] = [0.5, 0.5, 0.3, 0.3, 0.3, 0.2, 0.5, 0.5];
 
 /// Typical joint angles around which the features are centred, rad.
 const JOINT_CENTRE_RAD: [f64; 2] = [0.15, 1.24];

@@ -13,8 +13,10 @@ use twin_core::tuning::Tuning;
 use twin_scenario::Scenario;
 
 /// Entrants without weights: name, label, `predictor.kind`, whether the adapter is on.
-const UNTRAINED: [(&str, &str, &str, bool); 5] = [
+const UNTRAINED: [(&str, &str, &str, bool); 7] = [
     ("persistence", "persistence r_{t-1} (TDC)", "persistence", false),
+    ("tdc_extrapolated", "TDC along its fading slope", "tdc_extrapolated", false),
+    ("arx_rls", "ARX, learned in flight by RLS", "arx_rls", false),
     ("gravity", "gravity of the empty vehicle", "gravity", false),
     ("bias", "gravity + adapted bias", "bias", true),
     ("random_features", "random features + LRA", "random_features", true),
