@@ -162,7 +162,8 @@ fn second_indexes(bytes: &[u8]) -> Vec<usize> {
             let mut places: Vec<usize> =
                 (0..length as usize / 10).map(|k| map + 10 * k + 2).collect();
             places.sort_by_key(|place| long(*place));
-            found.push(places[1]);
+            // The last chunk may hold one channel alone.
+            found.extend(places.get(1));
         }
         at += 9 + long(at + 1) as usize;
     }
