@@ -81,7 +81,10 @@ class Fdt(torch.nn.Module):
         y = encoded + self.linear(hidden, "decoder.ffn.out")
         pooled = torch.cat([y[:c].mean(0), y[c]])
         hidden = F.gelu(self.linear(pooled, "decoder.readout.hidden"))
-        return self.linear(hidden, "decoder.readout.out"), regime[0]
+        residual = self.linear(hidden, "decoder.readout.out")
+        if self.c.get("t_skip", 0):
+            residual = residual + self.linear(x[:, -self.c["t_skip"] :].reshape(-1), "skip")
+        return residual, regime[0]
 
 
 def onnx_session(model, x, path):
