@@ -61,8 +61,8 @@ const BAD_SCENARIOS: &[(&str, &str, &[&str])] = &[
     ),
     (
         "wrong_word",
-        "[predictor]\nkind = \"oracle\"\n",
-        &[":2", "predictor.kind", "oracle", "persistence"],
+        "[predictor]\nkind = \"prophet\"\n",
+        &[":2", "predictor.kind", "prophet", "persistence"],
     ),
     (
         "short_list",

@@ -24,15 +24,19 @@ const MODULES_OF_CORE: &[(&str, &[&str])] = &[
     ("notation", &["elementary"]),
     ("quantity", &["notation"]),
     ("force_budget", &[]),
-    ("tick", &["force_budget", "notation"]),
+    ("foreseen", &["notation"]),
+    ("tick", &["force_budget", "foreseen", "notation"]),
     ("source", &["notation", "quantity", "tick"]),
     ("filter", &["elementary"]),
     // The registry of the values in force names the types that hold them.
     ("tuning", &["control", "notation", "quantity", "residual"]),
     ("control", &["elementary", "filter", "notation", "source", "tick"]),
-    ("residual", &["elementary", "filter", "normal", "notation", "tick"]),
+    ("residual", &["elementary", "filter", "foreseen", "normal", "notation", "tick"]),
     ("task", &["elementary", "filter", "notation", "tick"]),
-    ("flight", &["control", "notation", "residual", "source", "task", "tick", "tuning"]),
+    (
+        "flight",
+        &["control", "foreseen", "notation", "residual", "source", "task", "tick", "tuning"],
+    ),
     ("fixture", &["elementary", "notation", "tick"]),
 ];
 

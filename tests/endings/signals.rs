@@ -118,6 +118,7 @@ fn a_collection_finishes_the_recordings_that_it_began_and_writes_no_table() {
     let out = folder.text("data");
     let child = start(&[
         "collect",
+        "--paper",
         "--out",
         &out,
         "--seconds",

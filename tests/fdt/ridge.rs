@@ -91,7 +91,7 @@ fn the_adapter_leaves_a_forecast_without_regime_as_it_is() {
         assert_eq!(*adapted.r_hat, *forecast.base[0]);
         assert!(adapted.innovation.iter().all(|v| v.is_finite()) && !adapted.reset);
     }
-    adapter.move_to(&forecast, &Coords::repeat(1.0));
+    adapter.move_to(&forecast, &Coords::repeat(1.0), &settings);
     assert_eq!(adapter.weights().len(), 0);
 }
 

@@ -12,7 +12,7 @@ use twin_lab::evaluate::paths::path;
 use twin_lab::evaluate::sheet::figure;
 use twin_record::output::note;
 use twin_scenario::cache::Cache;
-use twin_scenario::table::{COLUMNS, Job, Line, Outcome, PAPER, condense, fly_all};
+use twin_scenario::table::{COLUMNS, Job, Line, Outcome, PAPER, SCORES, condense, fly_all};
 use twin_scenario::{Scenario, Verdict, side_by_side};
 
 use super::output::{Output, inputs_of};
@@ -112,7 +112,14 @@ pub(super) fn run(args: &TrackingArgs) -> anyhow::Result<End> {
             let value = serde_json::json!({ "table": table, "command": command, "lines": lines, "paper": PAPER });
             writeln!(out, "{value}")?;
         } else {
-            print_matrix(out, &lines)?;
+            let [transport, settled, whole] = SCORES;
+            if args.path_alone {
+                print_matrix(out, &lines, settled, "position RMS from 8 s on, m")?;
+            } else {
+                print_matrix(out, &lines, transport, "rms e8 in transport, m and rad")?;
+            }
+            print_matrix(out, &lines, whole, "rms e8 of the whole flight (waiting dilutes it)")?;
+            print_paper(out, &lines)?;
             print_table(out, &lines)?;
             writeln!(out, "\n{command}")?;
         }
@@ -124,9 +131,13 @@ pub(super) fn run(args: &TrackingArgs) -> anyhow::Result<End> {
 }
 
 /// Figures of a line: name on the page, name in JSON, decimals.
-const FIGURES: [(&str, &str, usize); 13] = [
-    ("e8 mean", "completed_rms_error_e8_mean", 4),
-    ("e8 std", "completed_rms_error_e8_std", 4),
+const FIGURES: [(&str, &str, usize); 17] = [
+    ("e8 in transport, completed, mean", "completed_rms_error_e8_transport_mean", 4),
+    ("e8 in transport, completed, std", "completed_rms_error_e8_transport_std", 4),
+    ("position from 8 s, m, mean", "completed_position_rmse_settled_m_mean", 4),
+    ("position from 8 s, m, std", "completed_position_rmse_settled_m_std", 4),
+    ("e8 whole flight, mean", "completed_rms_error_e8_mean", 4),
+    ("e8 whole flight, std", "completed_rms_error_e8_std", 4),
     ("e8 mean, all flights", "rms_error_e8_mean", 4),
     ("e8 in transport", "rms_error_e8_transport_mean", 4),
     ("cruise m/s, least", "transport_speed_m_s_min", 3),
@@ -250,13 +261,14 @@ fn trouble(outcome: &Outcome) -> Option<String> {
     }
 }
 
-/// Prints the paper's table: a line per method, a column per scenario, mean ± standard deviation over the flights that completed. Scenarios
-/// that are not the paper's have no such table.
-fn print_matrix(out: &mut dyn Write, lines: &[Line]) -> io::Result<()> {
+/// Prints a table in the paper's form: a line per method, a column per scenario, mean ± standard deviation of `metric` over the flights that
+/// completed. Scenarios that are not the paper's have no such table.
+fn print_matrix(out: &mut dyn Write, lines: &[Line], metric: &str, title: &str) -> io::Result<()> {
     if !lines.iter().any(|line| COLUMNS.contains(&line.scenario.as_str())) {
         return Ok(());
     }
-    write!(out, "{:24}", "rms e8, m and rad")?;
+    writeln!(out, "{title}")?;
+    write!(out, "{:24}", "")?;
     for column in COLUMNS {
         write!(out, " {column:>15}")?;
     }
@@ -271,9 +283,21 @@ fn print_matrix(out: &mut dyn Write, lines: &[Line]) -> io::Result<()> {
         write!(out, "{row:24}")?;
         for column in COLUMNS {
             let cell = lines.iter().find(|line| line.row == row && line.scenario == column);
-            write!(out, " {:>15}", cell.map_or_else(|| "-".to_owned(), matrix_cell))?;
+            write!(
+                out,
+                " {:>15}",
+                cell.map_or_else(|| "-".to_owned(), |line| matrix_cell(line, metric))
+            )?;
         }
         writeln!(out)?;
+    }
+    writeln!(out)
+}
+
+/// Prints the figures of the paper, which are of whole flights.
+fn print_paper(out: &mut dyn Write, lines: &[Line]) -> io::Result<()> {
+    if !lines.iter().any(|line| COLUMNS.contains(&line.scenario.as_str())) {
+        return Ok(());
     }
     for (row, figures) in PAPER {
         write!(out, "paper {row:18}")?;
@@ -285,12 +309,12 @@ fn print_matrix(out: &mut dyn Write, lines: &[Line]) -> io::Result<()> {
     writeln!(out)
 }
 
-fn matrix_cell(line: &Line) -> String {
-    let v = |name: &str| line.values.get(name).copied();
+fn matrix_cell(line: &Line, metric: &str) -> String {
+    let v = |part: &str| line.values.get(&format!("completed_{metric}_{part}")).copied();
     let lost = line.flights - line.completed;
     let lost = if lost > 0 { format!(" {lost}x") } else { String::new() };
-    match (v("completed_rms_error_e8_mean"), v("completed_rms_error_e8_std")) {
-        (Some(mean), Some(std)) => format!("{mean:.3}±{std:.3}{lost}"),
+    match (v("mean"), v("std")) {
+        (Some(mean), Some(std)) => format!("{mean:.4}±{std:.4}{lost}"),
         _ => format!("none{lost}"),
     }
 }

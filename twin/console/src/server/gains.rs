@@ -291,8 +291,14 @@ mod tests {
         let mut values = tuning(Preset::Tuned);
         let mut names = presets().choose(Preset::Paper, &mut values);
         names.sort();
-        // The tuned preset is the paper's with these six changed.
-        assert_eq!(names, ["damping.x", "damping.y", "damping.z", "slope.x", "slope.y", "slope.z"]);
+        // The tuned preset is the paper's with translation and lead changed.
+        let lead = twin_core::notation::COORDINATE_NAMES.map(|row| format!("lead.{row}"));
+        let translation = ["x", "y", "z"]
+            .iter()
+            .flat_map(|row| [format!("damping.{row}"), format!("slope.{row}")]);
+        let mut wanted: Vec<String> = lead.into_iter().chain(translation).collect();
+        wanted.sort();
+        assert_eq!(names, wanted);
         assert_eq!(values, tuning(Preset::Paper));
     }
 }

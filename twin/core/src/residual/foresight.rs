@@ -183,3 +183,7 @@ fn at(forecast: &Forecast, row: usize, periods: f64) -> f64 {
     let value = |step: usize| forecast.base.get(step.min(last)).map_or(0.0, |base| base[row]);
     value(before) + share * (value(before + 1) - value(before))
 }
+
+#[cfg(test)]
+#[path = "foresight_tests.rs"]
+mod tests;

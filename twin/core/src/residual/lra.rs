@@ -123,13 +123,13 @@ impl Adapter {
         let base = forecast.base.first().copied().unwrap_or_else(|| Coords::zeros().into());
         let step = (known - *base).component_div(&self.scale) - self.correction(&g);
         let step = KnownCoords::from(step).only(base.known()).or(&Coords::zeros());
+        let adapts = g.len() == self.weights.nrows() && !g.is_empty();
+        if !adapts {
+            return;
+        }
         if settings.bias_s > 0.0 && step.iter().all(|v| v.is_finite()) {
             self.bias += step;
-        } else if g.len() == self.weights.nrows()
-            && power > 0.0
-            && power.is_finite()
-            && step.iter().all(|v| v.is_finite())
-        {
+        } else if power > 0.0 && power.is_finite() && step.iter().all(|v| v.is_finite()) {
             self.weights += &g * (step / power).transpose();
         }
     }
@@ -154,11 +154,12 @@ impl Adapter {
         let said = |values: Coords| KnownCoords::from(values).only(known);
         // An innovation of zero moves no weight.
         let lesson = said(innovation).or(&Coords::zeros());
-        let teaches = settings.enabled
+        let usable = settings.enabled
             && !frozen
+            && g.len() == self.weights.nrows()
+            && !g.is_empty()
             && residual.is_any_known()
             && lesson.iter().chain(g.iter()).all(|v| v.is_finite());
-        let usable = teaches && g.len() == self.weights.nrows() && !g.is_empty();
         let mut gain_norm = 0.0;
         let mut reset = false;
         if usable {
@@ -166,7 +167,8 @@ impl Adapter {
             gain_norm = self.rls(&g, &lesson, settings);
             reset = self.detect_reset(&lesson, dt_s, settings);
         }
-        if teaches && settings.bias_s > 0.0 {
+        // A predictor without a regime has nothing to adapt, and no bias either.
+        if usable && settings.bias_s > 0.0 {
             // What the weights do not explain after they learned.
             let left = said((**residual - base).component_div(&self.scale) - self.correction(&g));
             self.bias += left.or(&Coords::zeros()) * (1.0 - exp(-dt_s / settings.bias_s));
@@ -196,7 +198,7 @@ impl Adapter {
     /// The correction on the features `g`, bias included, in units of the scale.
     fn correction(&self, g: &DVector<f64>) -> Coords {
         if g.len() != self.weights.nrows() || g.is_empty() {
-            return self.bias;
+            return Coords::zeros();
         }
         self.weights.tr_mul(g) + self.bias
     }

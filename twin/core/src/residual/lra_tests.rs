@@ -86,16 +86,16 @@ fn a_step_of_the_residual_resets_once_per_refractory_time() {
 #[test]
 fn a_constant_force_is_learned_by_the_bias_alone_and_a_jump_moves_it() {
     let settings = Settings { bias_s: 0.5, ..Settings::default() };
-    let mut adapter = Adapter::new(0, Coords::repeat(2.0), &settings);
+    let mut adapter = Adapter::new(1, Coords::repeat(2.0), &settings);
     let force = Coords::repeat(3.0);
     let mut before = 0.0;
     for _ in 0..50 {
-        before = adapter.step(&forecast(&[]), &force.into(), 0.01, false, &settings).r_hat[0];
+        before = adapter.step(&forecast(&[0.0]), &force.into(), 0.01, false, &settings).r_hat[0];
     }
     // First order: 1 - exp(-t / 0.5 s) after 0.5 s.
     assert!((before - 3.0 * (1.0 - 1.0_f64 / std::f64::consts::E)).abs() < 1e-9, "{before}");
-    adapter.move_to(&forecast(&[]), &Coords::repeat(-5.0), &settings);
-    let after = adapter.step(&forecast(&[]), &force.into(), 0.01, true, &settings);
+    adapter.move_to(&forecast(&[0.0]), &Coords::repeat(-5.0), &settings);
+    let after = adapter.step(&forecast(&[0.0]), &force.into(), 0.01, true, &settings);
     assert!((*after.r_hat - Coords::repeat(-5.0)).norm() < 1e-12);
     assert!((after.bias - Coords::repeat(-5.0)).norm() < 1e-12, "the base forecast is zero");
 }
