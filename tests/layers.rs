@@ -37,7 +37,7 @@ const MODULES_OF_CORE: &[(&str, &[&str])] = &[
         "flight",
         &["control", "foreseen", "notation", "residual", "source", "task", "tick", "tuning"],
     ),
-    ("fixture", &["elementary", "notation", "tick"]),
+    ("fixture", &["elementary", "foreseen", "notation", "tick"]),
 ];
 
 /// External packages that only these crates may depend on; `root` is the program with its tests.

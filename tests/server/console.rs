@@ -145,6 +145,12 @@ impl Console {
                 Arrival::Closed(frame.map(|f| (u16::from(f.code), f.reason.to_string())))
             }
             Ok(_) => self.next(),
+            // A read with a time-out ends with each signal of the process, even with one that restarts other calls.
+            Err(tungstenite::Error::Io(error))
+                if error.kind() == std::io::ErrorKind::Interrupted =>
+            {
+                self.next()
+            }
             Err(tungstenite::Error::Io(error))
                 if error.kind() == std::io::ErrorKind::WouldBlock =>
             {

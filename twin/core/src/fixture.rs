@@ -84,6 +84,18 @@ fn adapted(index: u64) -> Adapted {
     }
 }
 
+fn foreseen(index: u64) -> Foreseen {
+    Foreseen {
+        lead_s: Coords::repeat(0.1),
+        r_hat: coords(index, 70).into(),
+        trust: Coords::repeat(0.75),
+        used: coords(index, 71).into(),
+        error: coords(index, 72).into(),
+        std: coords(index, 73).into(),
+        std_now: coords(index, 74).into(),
+    }
+}
+
 /// A tick with every field set.
 pub fn tick(index: u64) -> Tick {
     Tick {
@@ -118,15 +130,7 @@ pub fn tick(index: u64) -> Tick {
             attention: Vec::new(),
         },
         adapted: adapted(index),
-        foreseen: Some(Foreseen {
-            lead_s: Coords::repeat(0.1),
-            r_hat: coords(index, 70).into(),
-            trust: Coords::repeat(0.75),
-            used: coords(index, 71).into(),
-            error: coords(index, 72).into(),
-            std: coords(index, 73).into(),
-            std_now: coords(index, 74).into(),
-        }),
+        foreseen: Some(foreseen(index)),
         control: ControlState {
             error: coords(index, 50).into(),
             sliding: coords(index, 51).into(),

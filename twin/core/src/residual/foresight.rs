@@ -141,7 +141,7 @@ impl Foresight {
     /// Compares `residual` with the forecasts that were made for it; returns the errors at the lead.
     fn judge(&mut self, residual: &KnownCoords, adapted: &Adapted, forget: f64) -> KnownCoords {
         let mut found = [None; N];
-        for row in 0..N {
+        for (row, found) in found.iter_mut().enumerate() {
             let Some(r) = residual.get(row) else { continue };
             if let Some(prior) = adapted.r_hat_prior.get(row) {
                 self.now.add(row, r - prior, forget);
@@ -152,7 +152,7 @@ impl Foresight {
             let Some((_, made)) = made else { continue };
             let error = r - made.ahead[row];
             self.at_lead.add(row, error, forget);
-            found[row] = Some(error);
+            *found = Some(error);
             if let Some(before) = made.measured.get(row) {
                 self.persistence.add(row, r - before, forget);
             }

@@ -4,6 +4,7 @@
 //! It subscribes to the channels that the map asks for, and reconnects whenever the connection is lost.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::io::ErrorKind;
 use std::net::{TcpStream, ToSocketAddrs};
 use std::time::Duration;
 
@@ -164,6 +165,10 @@ fn read(
                 return Err(format!("the server closed the connection {why}"));
             }
             Ok(_) => {}
+            // A read with a time-out ends with each signal of the process; the loop asks whether it was told to stop.
+            Err(tungstenite::Error::Io(error)) if error.kind() == ErrorKind::Interrupted => {
+                continue;
+            }
             Err(tungstenite::Error::Io(error)) if is_timeout(&error) => {
                 quiet += 1;
                 if quiet >= GONE_READS {
@@ -186,7 +191,7 @@ fn read(
 }
 
 fn is_timeout(error: &std::io::Error) -> bool {
-    matches!(error.kind(), std::io::ErrorKind::WouldBlock | std::io::ErrorKind::TimedOut)
+    matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut)
 }
 
 impl Subscribed {
