@@ -14,6 +14,7 @@ mod merge;
 pub mod file;
 mod demands;
 mod rms;
+mod coverage;
 mod course;
 pub mod verdict;
 pub mod metrics;

@@ -10,6 +10,7 @@ use std::collections::BTreeMap;
 use nalgebra::Vector3;
 
 use super::course::FROM_S;
+use super::coverage::Coverage;
 use super::rms::Rms;
 use twin_core::elementary::{acos, cos, squared};
 use twin_core::notation::{COORDINATE_NAMES, Coords, N, tracking_error};
@@ -27,6 +28,7 @@ pub struct Metrics {
     position: Rms,
     position_transport: Rms,
     position_settled: Rms,
+    coverage: Coverage,
     rows: [Rms; N],
     prediction: [Rms; N],
     persistence: [Rms; N],
@@ -73,6 +75,7 @@ impl Metrics {
         }
         if t_s >= FROM_S {
             self.add_tracking(tick);
+            self.coverage.add(tick);
             self.add_prediction(tick);
             self.innovation.push(tick.adapted.innovation_mean_norm);
             self.innovation_peak = self.innovation_peak.max(tick.adapted.innovation_mean_norm);
@@ -163,6 +166,8 @@ impl Metrics {
         put("residual_rmse_z", pooled_rmse_z(&self.prediction));
         put("persistence_rmse_z", pooled_rmse_z(&self.persistence));
         put("residual_r2", self.r_squared());
+        put("band_coverage", self.coverage.flight());
+        put("band_coverage_pickup", self.coverage.pickup());
         put("saturation_share", Some(self.saturated / self.ticks.max(1.0)));
         put("resets", Some(self.resets));
         put("retries", Some(self.retries));
