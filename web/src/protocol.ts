@@ -127,7 +127,7 @@ scenarios: Array<ScenarioInfo>,
  */
 tick_s: number, 
 /**
- * How far the channels `ahead.*` look into the future, ticks.
+ * How far the predictor looks into the future, ticks. The channels `fan_*` are known up to there.
  */
 horizon_ticks: number, 
 /**

@@ -1,5 +1,6 @@
 //! The channels of a telemetry row: the name of each number and its source in a [`Tick`].
 
+mod foresight;
 mod world;
 
 use std::sync::Arc;
@@ -8,7 +9,7 @@ use crate::server::mirrored::NOT_IN_FORCE;
 use crate::server::protocol::ChannelInfo;
 use twin_core::notation::{COORDINATE_NAMES, Coords, KnownCoords, MAX_ROTORS, position};
 use twin_core::residual::PredictorInfo;
-use twin_core::tick::{Adapted, Forecast, Tick};
+use twin_core::tick::Tick;
 use twin_core::tuning::Tuning;
 use twin_scenario::ActuatorLimits;
 
@@ -39,6 +40,7 @@ impl Channels {
         let mut channels = Builder { infos: Vec::new(), takes: Vec::new(), scale: predictor.scale };
         channels.tracking();
         channels.residual();
+        channels.foresight();
         channels.adapter();
         channels.spectrum();
         channels.attention(&predictor.attends);
@@ -51,7 +53,7 @@ impl Channels {
         Self { infos: Arc::new(channels.infos), takes: channels.takes, horizon_ticks }
     }
 
-    /// How far the channels `ahead.*` look into the future, ticks.
+    /// How far the predictor looks into the future, ticks.
     pub(super) fn horizon_ticks(&self) -> u32 {
         self.horizon_ticks
     }
@@ -132,7 +134,7 @@ impl Builder {
         units: [&str; 2],
         stem: &str,
         label: &str,
-        take: fn(&Tick) -> Option<KnownCoords>,
+        take: impl Fn(&Tick) -> Option<KnownCoords> + Copy + Send + Sync + 'static,
     ) {
         for (index, row) in COORDINATE_NAMES.iter().enumerate() {
             let unit = units[usize::from(index >= 3)];
@@ -142,7 +144,7 @@ impl Builder {
                 take(tick)?.get(index)
             });
             info.row = Some((*row).to_owned());
-            info.z_scale = (group == RESIDUAL).then_some(scale);
+            info.z_scale = (units == OF_RESIDUAL).then_some(scale);
         }
     }
 
@@ -158,12 +160,12 @@ impl Builder {
     }
 
     fn residual(&mut self) {
-        const UNITS: [&str; 2] = ["N", "N m"];
-        self.rows(RESIDUAL, UNITS, "residual", "measured r", |tick| Some(tick.residual));
-        self.rows(RESIDUAL, UNITS, "base", "base forecast", |t| t.forecast.base.first().copied());
-        self.rows(RESIDUAL, UNITS, "adapted", "adapted forecast", |tick| Some(tick.adapted.r_hat));
-        self.rows(RESIDUAL, UNITS, "ahead", "k-step forecast", |t| ahead(&t.forecast, &t.adapted));
-        self.rows(RESIDUAL, UNITS, "r_hat", "estimate in force", |tick| {
+        const GROUP: &str = "residual";
+        const UNITS: [&str; 2] = OF_RESIDUAL;
+        self.rows(GROUP, UNITS, "residual", "measured r", |tick| Some(tick.residual));
+        self.rows(GROUP, UNITS, "base", "base forecast", |t| t.forecast.base.first().copied());
+        self.rows(GROUP, UNITS, "adapted", "adapted forecast", |tick| Some(tick.adapted.r_hat));
+        self.rows(GROUP, UNITS, "r_hat", "estimate in force", |tick| {
             // Where the residual is unknown, the loop uses a stand-in as estimate: it is no measurement, so it is left out.
             Some(KnownCoords::from(tick.setpoint.r_hat).only(tick.residual.known()))
         });
@@ -172,6 +174,9 @@ impl Builder {
     fn adapter(&mut self) {
         const GROUP: &str = "adapter";
         self.rows(GROUP, ["", ""], "innovation", "innovation", |t| Some(t.adapted.innovation));
+        self.rows(GROUP, OF_RESIDUAL, "bias", "bias", |tick| {
+            Some(KnownCoords::from(tick.adapted.bias).only(tick.adapted.r_hat.known()))
+        });
         self.add(GROUP, "", "innovation_mean", "mean innovation", |tick, _| {
             tick.adapted.innovation_mean_norm
         });
@@ -252,17 +257,8 @@ impl Builder {
     }
 }
 
-/// Group of the residual forces.
-const RESIDUAL: &str = "residual";
-
-/// Adapted forecast for the end of the horizon, `r_hat(t+k|t)`, N and N m; `None` if the predictor forecasts only this tick. The adapter
-/// adds its correction of the first step to every step.
-fn ahead(forecast: &Forecast, adapted: &Adapted) -> Option<KnownCoords> {
-    let first = forecast.base.first()?;
-    let last = forecast.base.get(1..)?.last()?;
-    let ahead = **last + (*adapted.r_hat - **first);
-    Some(KnownCoords::from(ahead).only(adapted.r_hat.known()))
-}
+/// Units of a residual: of a force, and of a moment.
+const OF_RESIDUAL: [&str; 2] = ["N", "N m"];
 
 /// Thrust of each rotor, N: the true one if it is known, otherwise the commanded one.
 fn thrusts(tick: &Tick) -> &[f64] {
@@ -315,8 +311,8 @@ mod tests {
         assert_eq!(row(&channels, &fixture::tick(3)).len(), names.len());
         names.sort_unstable();
         names.dedup();
-        // 9 stems of 8 coordinates, 15 single channels, 3 of the spectrum, 2 of the attention, 3 of the wind, 4 rotors, 2 joints, 14 forces.
-        assert_eq!(names.len(), 9 * 8 + 15 + 3 + 2 + 3 + 4 + 2 + 3 * 14);
+        // 21 stems of 8 coordinates, 15 single channels, 3 of the spectrum, 2 of the attention, 3 of the wind, 4 rotors, 2 joints, 14 forces.
+        assert_eq!(names.len(), 21 * 8 + 15 + 3 + 2 + 3 + 4 + 2 + 3 * 14);
     }
 
     #[test]
@@ -330,6 +326,7 @@ mod tests {
             ("base.y", tick.forecast.base[0][1]),
             ("adapted.theta", tick.adapted.r_hat[4]),
             ("innovation.phi", tick.adapted.innovation[3]),
+            ("bias.z", tick.adapted.bias[2]),
             ("innovation_mean", tick.adapted.innovation_mean_norm),
             ("reset_threshold", 3.2),
             ("covariance_trace", 32.0),
@@ -367,16 +364,6 @@ mod tests {
     }
 
     #[test]
-    fn the_forecast_ahead_is_the_last_step_with_the_correction_of_the_first() {
-        let mut tick = fixture::tick(3);
-        tick.forecast.base = (0..=6).map(|j| Coords::repeat(f64::from(j)).into()).collect();
-        tick.adapted.r_hat = Coords::repeat(0.25).into();
-        assert_eq!(value(&channels(4), &tick, "ahead.q1").to_bits(), 6.25_f32.to_bits());
-        tick.forecast.base.truncate(1);
-        assert!(value(&channels(4), &tick, "ahead.q1").is_nan(), "nothing is looked ahead");
-    }
-
-    #[test]
     fn attention_and_regime_are_those_of_the_forecast_and_unknown_without_it() {
         let mut tick = fixture::tick(3);
         tick.forecast.attention = vec![0.25, 0.75];
@@ -396,5 +383,7 @@ mod tests {
         assert_eq!(info("joint_torque.2").limits, None);
         assert_eq!(info("residual.z").z_scale, Some(2.5));
         assert_eq!(info("innovation.z").z_scale, None);
+        assert_eq!(info("fan_25.z").z_scale, Some(2.5));
+        assert_eq!(info("lead_s.z").z_scale, None);
     }
 }

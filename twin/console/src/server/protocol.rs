@@ -151,7 +151,7 @@ pub struct Hello {
     pub scenarios: Vec<ScenarioInfo>,
     /// Period of a tick, s.
     pub tick_s: f64,
-    /// How far the channels `ahead.*` look into the future, ticks.
+    /// How far the predictor looks into the future, ticks. The channels `fan_*` are known up to there.
     pub horizon_ticks: u32,
     /// Ranges of the numbers that messages carry; those of gains stand with the gains.
     pub quantities: Vec<QuantityInfo>,

@@ -26,7 +26,7 @@ pub(super) struct Published {
     pub scene: Arc<Scene>,
     /// Channels of a row, in their order.
     pub channels: Arc<Vec<ChannelInfo>>,
-    /// How far the channels `ahead.*` look into the future, ticks.
+    /// How far the predictor looks into the future, ticks.
     pub horizon_ticks: u32,
     /// Gains with their values in force.
     pub gains: Vec<GainInfo>,
