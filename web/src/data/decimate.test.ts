@@ -11,7 +11,7 @@ function historyOf(columns: number[][], firstTick = 0): History {
 }
 
 function run(values: number[], bucket: number, firstTick = 0) {
-  return decimate(historyOf([values], firstTick), [{ column: 0, shift: 0, scale: 1 }], firstTick, firstTick + values.length, bucket, seconds);
+  return decimate(historyOf([values], firstTick), [{ column: 0, scale: 1 }], firstTick, firstTick + values.length, bucket, seconds);
 }
 
 const known = (samples: unknown[]): number[] => samples.filter((sample): sample is number => typeof sample === "number");
@@ -55,16 +55,8 @@ describe("decimate", () => {
 
   it("lets a second series go on where only the first is missing", () => {
     const history = historyOf([[1, NaN, 1, 1], [5, 6, 7, 8]]);
-    const traces = [0, 1].map((column) => ({ column, shift: 0, scale: 1 }));
+    const traces = [0, 1].map((column) => ({ column, scale: 1 }));
     expect(decimate(history, traces, 0, 4, 4, seconds).series[1]).toEqual([5, 8, undefined]);
-  });
-
-  it("draws a forecast as far ahead as it speaks of, and beyond the newest tick", () => {
-    const history = historyOf([[10, 11, 12], [20, 21, 22]], 100);
-    const out = decimate(history, [{ column: 0, shift: 0, scale: 1 }, { column: 1, shift: 2, scale: 0.5 }], 90, 200, 1, seconds);
-    expect(out.x).toEqual([1, 1.01, 1.02, 1.03, 1.04]);
-    expect(out.series[0]).toEqual([10, 11, 12, undefined, undefined]);
-    expect(out.series[1]).toEqual([undefined, undefined, 10, 10.5, 11]);
   });
 
   it("keeps x ascending, NaN or not", () => {
@@ -76,7 +68,7 @@ describe("decimate", () => {
 
   it("aligns buckets to ticks, so that scrolling by one tick changes only the ends", () => {
     const history = historyOf([Array.from({ length: 65 }, (_, i) => Math.sin(i))]);
-    const draw = (from: number) => decimate(history, [{ column: 0, shift: 0, scale: 1 }], from, from + 60, 4, seconds);
+    const draw = (from: number) => decimate(history, [{ column: 0, scale: 1 }], from, from + 60, 4, seconds);
     expect(draw(1).x.slice(0, 20)).toEqual(draw(2).x.slice(0, 20));
     expect(draw(1).series[0]?.slice(0, 20)).toEqual(draw(2).series[0]?.slice(0, 20));
   });

@@ -16,8 +16,6 @@ export interface Decimated {
 /** How one column of the history is drawn. */
 export interface Trace {
   column: number;
-  /** A value is drawn this many ticks after its own tick, because a forecast stands at the time that it predicts. */
-  shift: number;
   /** Factor by which the value is multiplied. */
   scale: number;
 }
@@ -33,9 +31,8 @@ export function bucketTicks(windowTicks: number, buckets: number): number {
 /** Points of `traces` at the ticks `from` up to, not including, `to`, with `bucket` ticks per bucket. */
 export function decimate(history: History, traces: Trace[], from: number, to: number, bucket: number, timeOf: (tick: number) => number): Decimated {
   const out: Decimated = { x: [], series: traces.map(() => []) };
-  const latest = history.last + Math.max(0, ...traces.map(({ shift }) => shift));
   const begin = Math.floor(Math.max(from, history.first) / bucket) * bucket;
-  const end = Math.min(to, latest + 1);
+  const end = Math.min(to, history.last + 1);
   const found = traces.map(() => new Extremes());
   for (let start = begin; start < end; start += bucket) {
     if (bucket === 1) single(out, history, traces, start, timeOf);
@@ -46,9 +43,9 @@ export function decimate(history: History, traces: Trace[], from: number, to: nu
 
 function single(out: Decimated, history: History, traces: Trace[], tick: number, timeOf: (tick: number) => number): void {
   out.x.push(timeOf(tick));
-  traces.forEach(({ column, shift, scale }, k) => {
-    const value = history.at(column, tick - shift);
-    out.series[k]?.push(Number.isNaN(value) ? (history.holds(tick - shift) ? null : undefined) : value * scale);
+  traces.forEach(({ column, scale }, k) => {
+    const value = history.at(column, tick);
+    out.series[k]?.push(Number.isNaN(value) ? (history.holds(tick) ? null : undefined) : value * scale);
   });
 }
 
@@ -77,12 +74,12 @@ function several(
   });
 }
 
-function gather(history: History, { column, shift }: Trace, start: number, bucket: number, into: Extremes): void {
+function gather(history: History, { column }: Trace, start: number, bucket: number, into: Extremes): void {
   into.clear();
-  const from = Math.max(start - shift, history.first);
-  const to = Math.min(start - shift + bucket, history.last + 1);
+  const from = Math.max(start, history.first);
+  const to = Math.min(start + bucket, history.last + 1);
   if (from >= to) return;
-  const level = shift === 0 ? levelFor(bucket) : -1;
+  const level = levelFor(bucket);
   if (level < 0) history.scan(column, from, to, into);
   else history.scanLevel(column, level, from, to, into);
 }

@@ -88,9 +88,9 @@ export class Store {
     return this.hello?.tick_s ?? 0.01;
   }
 
-  /** Number of ticks by which the forecast `ahead` looks ahead; 0 if there is none. */
+  /** Number of ticks by which the predictor looks ahead; 0 if it does not. */
   get horizonTicks(): number {
-    return this.columns.has(`ahead.${this.rows()[0] ?? ""}`) ? (this.hello?.horizon_ticks ?? 0) : 0;
+    return this.hello?.horizon_ticks ?? 0;
   }
 
   /** The phase of the task, in plain words if an event gave them. */

@@ -29,6 +29,7 @@ export class GainRow {
   private readonly revert: HTMLButtonElement;
   private readonly track: HTMLElement;
   private readonly tick = element("span", { className: "tick" });
+  private readonly unit: HTMLElement;
   private before: number | null = null;
   private sentAt = 0;
   private later = 0;
@@ -52,11 +53,12 @@ export class GainRow {
     this.field = onOff ? null : element("input", { type: "number", min: String(min), max: String(max), step: "any", ariaLabel: `${label} as a number` });
     this.revert = element("button", { className: "default", textContent: "↺", ariaLabel: `Back to the preset's ${label}` });
     this.track = element("span", { className: onOff ? "on-off" : "track" }, onOff ? [this.slider] : [this.slider, element("i", { className: "baseline", ariaHidden: "true" })]);
+    this.unit = element("span", { textContent: unit });
     this.root = element("div", { className: label.length > 5 ? "gain long" : "gain" }, [
       element("label", { htmlFor: id, textContent: label, title: help }),
       this.track,
       this.field ?? element("span"),
-      element("span", { className: "unit" }, [element("span", { textContent: unit }), this.tick]),
+      element("span", { className: "unit" }, [this.unit, this.tick]),
       this.revert,
     ]);
     this.root.dataset["gain"] = name;
@@ -101,6 +103,11 @@ export class GainRow {
     this.revert.tabIndex = modified ? 0 : -1;
     setText(this.tick, tick === undefined ? "" : `@${tick}`);
     this.tick.title = tick === undefined ? "" : `in force from tick ${tick}`;
+  }
+
+  /** Shows beside a gain without a unit what it amounts to. */
+  note(text: string): void {
+    setText(this.unit, text);
   }
 
   /** Marks the line for a moment after another client has changed the gain. */

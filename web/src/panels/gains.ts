@@ -8,6 +8,8 @@ import { remembered } from "./remembered";
 import { formatGain } from "./scale";
 import { spelled } from "./spelled";
 
+const MS_PER_S = 1000;
+
 export const PRESETS: PresetName[] = ["literal", "paper", "tuned"];
 
 export class GainPanel {
@@ -127,6 +129,16 @@ export class GainPanel {
     this.showLast();
     if (this.pointedAt !== "") this.point(this.pointedAt);
     this.changed();
+  }
+
+  /** Shows beside each share of the loop's delay the lead that it amounts to; `leadS` gives the lead of a coordinate, s. */
+  noteLeads(leadS: (row: string) => number): void {
+    this.rows.forEach((row, name) => {
+      const [stem, coordinate] = name.split(".");
+      if (stem !== "lead" || coordinate === undefined) return;
+      const seconds = leadS(coordinate);
+      row.note(Number.isNaN(seconds) ? "" : `${Math.round(seconds * MS_PER_S)} ms`);
+    });
   }
 
   private showLast(): void {

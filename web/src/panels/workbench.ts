@@ -83,6 +83,7 @@ export class Workbench {
     const now = clockMs();
     this.setLock(stale);
     this.gains.desk.overdue();
+    this.gains.noteLeads((row) => this.store.latest(`lead_s.${row}`));
     this.loss.due(now);
     const { state } = this.store;
     this.linkPanel.show({ health: this.link.health, now, flying: state?.phase === "flying", clients: state?.clients, pageFps: this.rate.at(performance.now()) });

@@ -19,7 +19,7 @@ export interface Arrangement {
   row: string;
 }
 
-export const WINDOWS_S = [5, 10, 20, 60, 300, 600];
+export const WINDOWS_S = [2, 5, 10, 20, 60, 300, 600];
 export const MOST_OWN = 8;
 const STORED = "twin.charts";
 

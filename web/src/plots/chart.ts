@@ -5,6 +5,8 @@ import type { Store } from "../data/store";
 import { element, setText } from "../panels/dom";
 import type { ChannelInfo } from "../protocol";
 import type { ChartColors } from "./colors";
+import { extentOf, type Fan, fanOf } from "./fan";
+import { drawFan, type Field } from "./fanPen";
 import type { Frame } from "./frame";
 import { drawBehind, drawLimits, drawMarks, drawUnknown } from "./marks";
 import { chartOptions, colorOf, plotSize } from "./options";
@@ -35,20 +37,24 @@ export class Chart implements Panel {
   private traces: Trace[] = [];
   private spokenAt = -Infinity;
   private zscore = false;
-  /** Whether a forecast has arrived since the chart was made. A predictor that does not look ahead never gives one. */
-  private foresees = false;
+  /** Which series are shown: all but those that wait for their first known value. */
+  private readonly shown: boolean[];
+  private fan: Fan | null = null;
+  /** Tick at which the fan begins. */
+  private fanTick = NaN;
 
   /** `tools` are controls that the heading has beside the title. */
   constructor(
     readonly spec: ChartSpec,
     private readonly store: Store,
     private readonly colors: ChartColors,
-    lineWidth: number,
+    private readonly lineWidth: number,
     tools: Node[],
   ) {
     this.series = spec.series.filter(({ channel }) => store.channel(channel) !== undefined);
     this.channels = this.series.flatMap(({ channel }) => store.channel(channel) ?? []);
     this.limits = distinct(this.channels.flatMap(({ limits }) => (limits === null ? [] : [limits])));
+    this.shown = this.series.map(({ whenKnown }) => whenKnown !== true);
     this.outputs = this.series.map(() => element("output", { ariaLive: "off" }));
     const plotRoot = element("div", { className: "plot" });
     this.root = element("article", { className: spec.tall === true ? "chart tall" : "chart", ariaLabel: spec.title, tabIndex: 0, role: "figure" }, [this.heading(tools), plotRoot]);
@@ -75,14 +81,14 @@ export class Chart implements Panel {
     this.zscore = frame.zscore;
     this.traces = this.series.map((series, k) => ({
       column: this.store.index(series.channel) ?? -1,
-      shift: series.ahead === true ? this.store.horizonTicks : 0,
       scale: this.scale(k),
     }));
     const out = decimate(this.store.history, this.traces, frame.ticks[0], frame.ticks[1], frame.bucket, this.store.timeOf);
     this.x = out.x;
     this.values = this.spec.logarithmic === true ? out.series.map(positive) : out.series;
+    this.fanAt(this.fanTick);
     this.fit();
-    this.showForecast();
+    this.showKnown();
     this.showUnit();
     this.plot.setData([this.x, ...this.values] as uPlot.AlignedData);
   }
@@ -93,6 +99,10 @@ export class Chart implements Panel {
     const [from, to] = this.frame.span;
     const left = time === null || time < from || time > to ? -10 : ((time - from) / (to - from)) * plotSize(this.plot)[0];
     this.plot.setCursor({ left, top: left < 0 ? -10 : 1 }, false);
+    const tick = time === null ? this.frame.newest : Math.min(this.store.tickAt(time), this.store.history.last);
+    if (this.spec.fan === undefined || tick === this.fanTick) return;
+    this.fanAt(tick);
+    this.plot.redraw(false);
   }
 
   /** Shows the values at `time`; for null the newest values. */
@@ -122,9 +132,9 @@ export class Chart implements Panel {
 
   /** One sentence with the values at `time`; for null with the newest values. */
   sentence(time: number | null): string {
-    const values = this.series.map(({ label }, k) => {
+    const values = this.series.flatMap(({ label, silent }, k) => {
       const value = this.valueAt(k, time);
-      return `${label} ${Number.isNaN(value) ? "unknown" : formatValue(value)} ${this.unitOf(k)}`.trim();
+      return silent === true ? [] : `${label} ${Number.isNaN(value) ? "unknown" : formatValue(value)} ${this.unitOf(k)}`.trim();
     });
     return `${this.spec.title}: ${values.join(", ")}`;
   }
@@ -132,7 +142,7 @@ export class Chart implements Panel {
   picture(): Picture {
     return {
       title: `${this.spec.title}${this.unit.textContent ?? ""}`,
-      entries: this.series.map((series, k) => ({ label: series.label, text: this.outputs[k]?.textContent ?? "", color: colorOf(series, this.colors), dash: series.dash ?? [] })),
+      entries: this.series.flatMap((series, k) => (series.silent === true ? [] : [{ label: series.label, text: this.outputs[k]?.textContent ?? "", color: colorOf(series, this.colors), dash: series.dash ?? [] }])),
       canvas: this.plot.ctx.canvas,
     };
   }
@@ -146,53 +156,64 @@ export class Chart implements Panel {
   /** Value of a series at `time`; for null at the newest tick of the frame. */
   private valueAt(k: number, time: number | null): number {
     const newest = this.frame?.newest ?? this.store.history.last;
-    const tick = time === null ? newest : this.store.tickAt(time) - (this.traces[k]?.shift ?? 0);
+    const tick = time === null ? newest : this.store.tickAt(time);
     return this.store.at(this.series[k]?.channel ?? "", tick) * this.scale(k);
   }
 
   private drawOver(plot: uPlot): void {
     if (this.frame === null) return;
     if (this.limits.length > 0) drawLimits(plot, this.limits, this.colors);
+    const lost = this.lost();
     this.series.forEach((series, k) => {
-      if (series.ahead !== true || this.foresees) drawUnknown(plot, this.x, this.values[k] ?? [], k, colorOf(series, this.colors), this.lost(k));
+      if (this.shown[k] === true && series.silent !== true) drawUnknown(plot, this.x, this.values[k] ?? [], k, colorOf(series, this.colors), lost);
     });
-    drawMarks(plot, this.frame, this.colors, this.spec.resetIcon === true, this.foresees);
+    const fanned = this.fan !== null && this.fan.points.length > 1;
+    drawMarks(plot, this.frame, this.colors, this.spec.resetIcon === true, fanned);
+    if (this.fan !== null && fanned) drawFan(fieldOf(plot), this.fan, this.colors, this.lineWidth);
   }
 
   /** Stretches in which a series has no values because its ticks were lost, s. */
-  private lost(k: number): Span[] {
+  private lost(): Span[] {
     const bucket = (this.frame?.bucket ?? 1) * this.store.tickS;
-    const shift = (this.traces[k]?.shift ?? 0) * this.store.tickS;
-    return (this.frame?.gaps ?? []).map(([from, to]): Span => [from + shift - bucket, to + shift + bucket]);
+    return (this.frame?.gaps ?? []).map(([from, to]): Span => [from - bucket, to + bucket]);
   }
 
   private fit(): void {
     const logarithmic = this.spec.logarithmic === true;
-    const bounds = boundsOf([...this.values, ...this.limits], logarithmic);
+    const bounds = boundsOf([...this.values, ...this.limits, extentOf(this.fan)], logarithmic);
     this.yRange = logarithmic ? decadeRange(this.yRange, bounds) : linearRange(this.yRange, bounds, this.spec.smallestSpan);
   }
 
-  /** Factor by which the values of a series are multiplied: one over its scale if z-scores are shown, else 1. */
+  private fanAt(tick: number): void {
+    this.fanTick = tick;
+    this.fan = this.spec.fan === undefined ? null : fanOf(this.store, this.spec.fan, tick, this.unitScale(0));
+  }
+
+  /** Factor by which the values of a series are multiplied. */
   private scale(k: number): number {
+    return this.unitScale(k) * (this.series[k]?.factor ?? 1);
+  }
+
+  /** One over the scale of a series if z-scores are shown, else 1. */
+  private unitScale(k: number): number {
     const z = this.channels[k]?.z_scale;
     return this.spec.zscore === true && this.frame?.zscore === true && z !== null && z !== undefined ? 1 / z : 1;
   }
 
-  /** Shows the forecast in the legend as soon as there is one. */
-  private showForecast(): void {
-    if (this.foresees) return;
-    const of = this.series.findIndex(({ ahead }) => ahead === true);
-    this.foresees = (this.values[of] ?? []).some((value) => typeof value === "number");
-    const entry = this.outputs[of]?.parentElement;
-    if (entry !== null && entry !== undefined) entry.hidden = !this.foresees;
+  /** Shows a series in the legend as soon as it has a value. */
+  private showKnown(): void {
+    this.outputs.forEach(({ parentElement: entry }, k) => {
+      if (this.shown[k] !== true) this.shown[k] = (this.values[k] ?? []).some((value) => typeof value === "number");
+      if (entry !== null) entry.hidden = this.shown[k] !== true || this.series[k]?.silent === true;
+    });
   }
 
   private unitOf(k: number): string {
-    return this.scale(k) === 1 ? (this.channels[k]?.unit ?? "") : "";
+    return this.unitScale(k) === 1 ? (this.channels[k]?.unit ?? "") : "";
   }
 
   private showUnit(): void {
-    const scored = this.series.some((_, k) => this.scale(k) !== 1);
+    const scored = this.series.some((_, k) => this.unitScale(k) !== 1);
     const units = [...new Set(this.channels.map(({ unit }) => unit))].filter((unit) => unit !== "");
     setText(this.unit, scored ? " z" : units.length === 0 ? "" : ` ${units.join(", ")}`);
   }
@@ -211,6 +232,12 @@ export class Chart implements Panel {
 
 function distinct(limits: Bounds[]): Bounds[] {
   return limits.filter(([low, high], index) => limits.findIndex((other) => other[0] === low && other[1] === high) === index);
+}
+
+/** The plotting area in pixels of the canvas. */
+function fieldOf(plot: uPlot): Field {
+  const { ctx: pen, bbox } = plot;
+  return { pen, ...bbox, ratio: uPlot.pxRatio, xOf: (time) => plot.valToPos(time, "x", true), yOf: (value) => plot.valToPos(value, "y", true) };
 }
 
 /** Removes points that a logarithmic axis cannot show. They are known values, so they are not marked as unknown. */

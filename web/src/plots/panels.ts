@@ -3,9 +3,10 @@ import type { Store } from "../data/store";
 import { element } from "../panels/dom";
 import type { Arrangement } from "./arrangement";
 import { Chart } from "./chart";
+import { CloseUp } from "./closeUp";
 import type { ChartColors } from "./colors";
 import type { Panel } from "./panel";
-import { type ChartSpec, chartSpecs, ownSpec, SPECTRUM } from "./spec";
+import { type ChartSpec, chartSpecs, CLOSE_UP, ownSpec, SPECTRUM } from "./spec";
 import { SpectrumBars } from "./spectrum";
 
 export interface PanelActions {
@@ -62,17 +63,23 @@ export class Panels {
   }
 
   private make(spec: ChartSpec, signature: string, colors: ChartColors): Panel {
-    const panel: Panel = spec.key === SPECTRUM ? new SpectrumBars(spec, this.store, colors) : new Chart(spec, this.store, colors, this.lineWidth, this.tools(spec));
+    const panel = this.panelOf(spec, colors);
     this.signatures.set(panel, signature);
     this.watcher.observe(panel.root);
     this.actions.made(panel);
     return panel;
   }
 
+  private panelOf(spec: ChartSpec, colors: ChartColors): Panel {
+    if (spec.key === SPECTRUM) return new SpectrumBars(spec, this.store, colors);
+    if (spec.key === CLOSE_UP) return new CloseUp(spec, spec.fan ?? "", this.store, colors, this.lineWidth);
+    return new Chart(spec, this.store, colors, this.lineWidth, this.tools(spec));
+  }
+
   /** The button that switches between physical units and z-scores, if the flight gives the scales of z-scores. */
   private tools(spec: ChartSpec): Node[] {
     const scored = spec.series.some(({ channel }) => (this.store.channel(channel)?.z_scale ?? null) !== null);
-    if (spec.zscore !== true || !scored) return [];
+    if (spec.key !== "residual" || !scored) return [];
     const button = element("button", { className: "small", textContent: "z-score", title: "Divide by the scale with which the forecast was trained", ariaPressed: "false" });
     button.addEventListener("click", () => this.actions.toggleZscore());
     this.zscoreButton = button;

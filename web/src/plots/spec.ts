@@ -4,6 +4,7 @@ import type { ChannelInfo } from "../protocol";
 import type { OwnChart } from "./arrangement";
 import type { ChartColors } from "./colors";
 import { SERIES_COLORS, SERIES_DASHES } from "./colors";
+import { BAND_90 } from "./fan";
 
 export interface SeriesSpec {
   channel: string;
@@ -13,8 +14,12 @@ export interface SeriesSpec {
   dash?: number[];
   /** Whether the line is drawn as steps, because the value is set and not measured. */
   stepped?: boolean;
-  /** Whether the line is a forecast, which is drawn at the times that it predicts. */
-  ahead?: boolean;
+  /** Whether line and legend are hidden until the first known value. A predictor that does not look ahead never has one. */
+  whenKnown?: boolean;
+  /** Factor by which the channel is multiplied. */
+  factor?: number;
+  /** Whether the line has no place in the legend, because another line stands for both. */
+  silent?: boolean;
 }
 
 export interface ChartSpec {
@@ -27,6 +32,8 @@ export interface ChartSpec {
   zscore?: boolean;
   /** Indices of the two series that bound a filled area: upper, lower. */
   band?: [number, number];
+  /** Coordinate whose fan of forecasts is drawn ahead of the cursor, or of now. */
+  fan?: string;
   /** Whether the chart is taller than the others. */
   tall?: boolean;
   /** Smallest span of the value axis, in the chart's unit, so that noise does not fill the chart. */
@@ -36,6 +43,8 @@ export interface ChartSpec {
 
 /** Key of the panel with the newest spectrum as bars, which has no time axis. */
 export const SPECTRUM = "spectrum";
+/** Key of the panel with the forecast from close by, which has a time axis of its own. */
+export const CLOSE_UP = "foresight";
 
 const SYMBOLS: Record<string, string> = { phi: "φ", theta: "θ", psi: "ψ", q1: "q₁", q2: "q₂" };
 
@@ -47,27 +56,61 @@ export function symbolOf(row: string): string {
 /** The console's charts for one coordinate, the most important first. A mirrored recording has no charts of the controller. */
 export function chartSpecs(row: string, channels: ChannelInfo[], mirrored = false): ChartSpec[] {
   const known = new Set(channels.map(({ name }) => name));
-  return [...forecastSpecs(row), ...(mirrored ? mirrorSpecs(row) : controlSpecs(row)), ...adapterSpecs(), ...(mirrored ? [] : [...forceSpecs(row), ...bodySpecs(channels)])]
+  return [residualSpec(row), ...(mirrored ? [] : [closeUpSpec(row)]), ...learningSpecs(), ...(mirrored ? mirrorSpecs(row) : controlSpecs(row)), ...adapterSpecs(), ...(mirrored ? [] : [...forceSpecs(row), ...bodySpecs(channels)])]
     .map((spec) => ({ ...spec, series: spec.series.filter(({ channel }) => known.has(channel)) }))
     .filter(({ key, series }) => series.length > 0 || key === SPECTRUM);
 }
 
-/** Charts of the forecast and the adapter. */
-function forecastSpecs(row: string): ChartSpec[] {
+/** Chart of the residual and its forecasts. */
+function residualSpec(row: string): ChartSpec {
+  return {
+    key: "residual",
+    title: `Residual ${symbolOf(row)}`,
+    smallestSpan: 0.2,
+    zscore: true,
+    fan: row,
+    tall: true,
+    series: [
+      { channel: `residual.${row}`, label: "measured", color: "muted" },
+      { channel: `base.${row}`, label: "base", color: "third", dash: [7, 3] },
+      { channel: `adapted.${row}`, label: "adapted", color: "estimate" },
+      { channel: `foretold.${row}`, label: "foretold", color: "fourth", dash: [2, 2], whenKnown: true },
+    ],
+  };
+}
+
+/** Panel with the forecast from close by. Its channels are those of its numbers. */
+function closeUpSpec(row: string): ChartSpec {
+  return {
+    key: CLOSE_UP,
+    title: `Foresight ${symbolOf(row)}`,
+    smallestSpan: 0.2,
+    zscore: true,
+    fan: row,
+    series: ["foreseen", "foresight_std", "trust", "lead_s"].map((stem, k) => coloured(`${stem}.${row}`, stem, k)),
+  };
+}
+
+/** Chart of the error of the forecast at the lead, within the band that holds 90 %. */
+function foresightErrorSpec(row: string): ChartSpec {
+  const edge = { channel: `foresight_std.${row}`, label: "± 90 %", color: "fourth", whenKnown: true } as const;
+  return {
+    key: "foresight_error",
+    title: `Forecast error at the lead ${symbolOf(row)}`,
+    smallestSpan: 0.1,
+    zscore: true,
+    band: [1, 2],
+    series: [
+      { channel: `foresight_error.${row}`, label: "error", color: "estimate", whenKnown: true },
+      { ...edge, factor: BAND_90 },
+      { ...edge, factor: -BAND_90, silent: true },
+    ],
+  };
+}
+
+/** Charts of how the adapter learns. */
+function learningSpecs(): ChartSpec[] {
   return [
-    {
-      key: "residual",
-      title: `Residual ${symbolOf(row)}`,
-      smallestSpan: 0.2,
-      zscore: true,
-      tall: true,
-      series: [
-        { channel: `residual.${row}`, label: "measured", color: "muted" },
-        { channel: `base.${row}`, label: "base", color: "third", dash: [7, 3] },
-        { channel: `adapted.${row}`, label: "adapted", color: "estimate" },
-        { channel: `ahead.${row}`, label: "ahead", color: "fourth", dash: [2, 2], ahead: true },
-      ],
-    },
     {
       key: "innovation",
       title: "Innovation",
@@ -117,6 +160,7 @@ function mirrorSpecs(row: string): ChartSpec[] {
 function controlSpecs(row: string): ChartSpec[] {
   return [
     errorSpec(row, "Tracking error"),
+    foresightErrorSpec(row),
     {
       key: "robust",
       title: "Robust term",
@@ -172,7 +216,7 @@ function bodySpecs(channels: ChannelInfo[]): ChartSpec[] {
 /** The chart that an operator composed, without channels that the flight does not have. */
 export function ownSpec(own: OwnChart, channels: ChannelInfo[]): ChartSpec {
   const known = own.channels.flatMap((name) => channels.find((channel) => channel.name === name) ?? []);
-  return { key: own.key, title: own.title, smallestSpan: 1e-3, series: known.map((channel, k) => ({ ...coloured(channel.name, shortName(channel), k), ahead: channel.name.startsWith("ahead.") })) };
+  return { key: own.key, title: own.title, smallestSpan: 1e-3, series: known.map((channel, k) => coloured(channel.name, shortName(channel), k)) };
 }
 
 /** A short name for the heading of a chart: the label, with the symbol of the coordinate in place of its name. */

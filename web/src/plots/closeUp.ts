@@ -1,0 +1,171 @@
+// The panel with the forecast from close by: the last part of a second, and what is forecast after it. On the shared time axis a
+// horizon of a quarter of a second is a few pixels wide. With a cursor the panel shows the forecast that was made there, and what followed.
+import type { Store } from "../data/store";
+import { element, setText } from "../panels/dom";
+import { drawAxes, drawLine } from "./closeUpPen";
+import type { ChartColors } from "./colors";
+import { BAND_90, extentOf, type Fan, fanOf } from "./fan";
+import { drawFan, type Field, leadText } from "./fanPen";
+import type { Frame } from "./frame";
+import { AXIS_WIDTH_PX, RIGHT_PX } from "./options";
+import type { Panel, Picture, SeriesReading } from "./panel";
+import { type Bounds, boundsOf, formatValue, linearRange } from "./range";
+import { penOf } from "./software";
+import type { ChartSpec } from "./spec";
+
+/** Time shown before and after the forecast was made, s. */
+const PAST_S = 0.75;
+const AHEAD_S = 0.25;
+const HEAD_PX = 8;
+const FOOT_PX = 15;
+
+export class CloseUp implements Panel {
+  readonly root: HTMLElement;
+  readonly over = null;
+  visible = true;
+  round = -1;
+  private readonly canvas = element("canvas", { ariaHidden: "true" });
+  private readonly outputs = { forecast: element("output", { ariaLive: "off" }), trust: element("output", { ariaLive: "off" }) };
+  private readonly unit = element("span", { className: "muted" });
+  private range: Bounds | null = null;
+  private frame: Frame | null = null;
+  private tick = NaN;
+  private zscore = false;
+  private size: [number, number] = [0, 0];
+  private readonly sizes = new ResizeObserver(([entry]) => {
+    const { width, height } = entry?.contentRect ?? { width: 0, height: 0 };
+    this.size = [width, height];
+    this.round = -1;
+  });
+
+  /** `row` is the coordinate. */
+  constructor(
+    readonly spec: ChartSpec,
+    private readonly row: string,
+    private readonly store: Store,
+    private readonly colors: ChartColors,
+    private readonly lineWidth: number,
+  ) {
+    const plot = element("div", { className: "plot" }, [this.canvas]);
+    const line = (color: string): HTMLElement => {
+      const mark = element("i", { className: "line" });
+      mark.style.color = color;
+      return mark;
+    };
+    const key = element("ul", {}, [
+      element("li", { title: "the other lines are those of the residual: adapted forecast, and forecast made one lead ago" }, [line(colors.muted), "measured"]),
+      element("li", { title: "forecast at the lead, and half the width of the band that holds 90 %" }, [line(colors.fourth), "lead", this.outputs.forecast]),
+      element("li", { title: "1: the forecast at the lead is compensated, 0: the estimate of now" }, ["trust", this.outputs.trust]),
+    ]);
+    const head = element("header", { className: "chart-head" }, [element("h3", { title: spec.title }, [spec.title, this.unit]), key]);
+    this.root = element("article", { className: "chart tall", ariaLabel: spec.title, tabIndex: 0, role: "figure" }, [head, plot]);
+    this.outputs.forecast.classList.add("wide");
+    this.root.dataset["key"] = spec.key;
+    this.sizes.observe(plot);
+  }
+
+  refresh(frame: Frame): void {
+    this.frame = frame;
+    if (frame.zscore !== this.zscore) this.range = null;
+    this.zscore = frame.zscore;
+    this.tick = NaN;
+  }
+
+  point(time: number | null): void {
+    const tick = time === null ? (this.frame?.newest ?? NaN) : Math.min(this.store.tickAt(time), this.store.history.last);
+    if (Object.is(tick, this.tick)) return;
+    this.tick = tick;
+    this.draw();
+  }
+
+  write(): void {
+    const fan = this.fan();
+    const half = this.at("foresight_std") * BAND_90;
+    setText(this.outputs.forecast, `${formatValue(this.at("foreseen"))} ± ${formatValue(half)}`);
+    setText(this.outputs.trust, formatValue(this.store.at(`trust.${this.row}`, this.tick)));
+    const scored = this.scale() !== 1;
+    setText(this.unit, scored ? " z" : ` ${this.store.channel(`residual.${this.row}`)?.unit ?? ""}`);
+    this.root.ariaLabel = `${this.sentence()}, ${leadText(fan?.leadS ?? 0)}`;
+  }
+
+  select(): void {}
+
+  readings(): SeriesReading[] {
+    return (this.fan()?.points ?? []).map(({ time, value, half }) => ({
+      channel: `fan at ${time.toFixed(3)} s`,
+      label: `${time.toFixed(3)} s`,
+      value,
+      plotted: [value - (half ?? 0), value + (half ?? 0)],
+      breaks: 0,
+    }));
+  }
+
+  sentence(): string {
+    return `${this.spec.title}: at the lead ${formatValue(this.at("foreseen"))}, trust ${formatValue(this.store.at(`trust.${this.row}`, this.tick))}`;
+  }
+
+  picture(): Picture {
+    const entry = (label: string, output: HTMLElement): Picture["entries"][number] => ({ label, text: output.textContent ?? "", color: this.colors.fourth, dash: [] });
+    return { title: this.spec.title, entries: [entry("lead", this.outputs.forecast), entry("trust", this.outputs.trust)], canvas: this.canvas };
+  }
+
+  destroy(): void {
+    this.sizes.disconnect();
+    this.root.remove();
+  }
+
+  private fan(): Fan | null {
+    return fanOf(this.store, this.row, this.tick, this.scale());
+  }
+
+  private at(stem: string): number {
+    return this.store.at(`${stem}.${this.row}`, this.tick) * this.scale();
+  }
+
+  private scale(): number {
+    const z = this.store.channel(`residual.${this.row}`)?.z_scale ?? null;
+    return this.zscore && z !== null ? 1 / z : 1;
+  }
+
+  /** Values of a channel from `from` to `to` seconds after the forecast was made. */
+  private values(stem: string, from: number, to: number): number[] {
+    const [first, last] = [from, to].map((seconds) => this.tick + Math.round(seconds / this.store.tickS)) as [number, number];
+    const name = `${stem}.${this.row}`;
+    return Array.from({ length: last - first + 1 }, (_, k) => this.store.at(name, first + k) * this.scale());
+  }
+
+  private draw(): void {
+    const [width, height] = this.size;
+    const ratio = devicePixelRatio;
+    const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
+    if (this.canvas.width !== w || this.canvas.height !== h) Object.assign(this.canvas, { width: w, height: h });
+    const pen = penOf(this.canvas);
+    if (pen === null) return;
+    pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+    pen.clearRect(0, 0, width, height);
+    if (Number.isNaN(this.tick)) return;
+    const fan = this.fan();
+    const shown = ["residual", "foretold", "adapted"].flatMap((stem) => this.values(stem, -PAST_S, AHEAD_S)).filter((value) => !Number.isNaN(value));
+    this.range = linearRange(this.range, boundsOf([shown, extentOf(fan)], false), this.spec.smallestSpan);
+    const field = this.field(pen, width, height);
+    const now = this.store.timeOf(this.tick);
+    drawAxes(field, this.colors, this.range, now, AHEAD_S, PAST_S);
+    const line = (stem: string, color: string, dash: number[], to: number): void =>
+      drawLine(field, this.values(stem, -PAST_S, to), now - PAST_S, this.store.tickS, { color, dash, width: this.lineWidth });
+    line("residual", this.colors.muted, [], AHEAD_S);
+    line("foretold", this.colors.fourth, [2, 2], 0);
+    line("adapted", this.colors.estimate, [], 0);
+    if (fan !== null) drawFan(field, fan, this.colors, this.lineWidth);
+  }
+
+  private field(pen: CanvasRenderingContext2D, width: number, height: number): Field {
+    const [low, high] = this.range ?? [0, 1];
+    const [left, top, wide, tall] = [AXIS_WIDTH_PX, HEAD_PX, Math.max(1, width - AXIS_WIDTH_PX - RIGHT_PX), Math.max(1, height - HEAD_PX - FOOT_PX)];
+    const begin = this.store.timeOf(this.tick) - PAST_S;
+    return {
+      pen, left, top, width: wide, height: tall, ratio: 1,
+      xOf: (time) => left + ((time - begin) / (PAST_S + AHEAD_S)) * wide,
+      yOf: (value) => top + (1 - (value - low) / (high - low)) * tall,
+    };
+  }
+}
