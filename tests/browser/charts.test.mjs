@@ -103,7 +103,7 @@ async function live() {
 
 test("the most important charts come first and read what telemetry says", LIMIT, async () => {
   const { panels } = await charts();
-  assert.deepEqual(panels.slice(0, 4).map(({ key }) => key), ["residual", "innovation", "covariance", "tracking"]);
+  assert.deepEqual(panels.slice(0, 5).map(({ key }) => key), ["residual", "foresight", "innovation", "covariance", "tracking"]);
   const tick = await settled();
   await until(async () => (await panel("residual")).series[0].value === (await at("residual.z", tick)), SOON, "the newest residual");
   assert.equal(await panel("spectrum"), undefined, "the covariance of this adapter is one number: no bars");
@@ -128,8 +128,8 @@ test("the cursor of one chart reads the same moment on all, as the history holds
   await drawn();
   const { cursorTick, panels } = await charts();
   assert.ok(cursorTick >= 0 && cursorTick < (await lastTick()));
-  for (const { key, series } of panels.filter(({ key, visible }) => visible && key !== "spectrum")) {
-    for (const { channel, value } of series.filter(({ channel }) => !channel.startsWith("ahead."))) {
+  for (const { key, series } of panels.filter(({ key, visible }) => visible && key !== "spectrum" && key !== "foresight")) {
+    for (const { channel, value } of series.filter(({ channel }) => !/^(foresight_std|foretold)\./.test(channel))) {
       assert.equal(value, await at(channel, cursorTick), `${key} ${channel}`);
     }
   }
