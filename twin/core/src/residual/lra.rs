@@ -103,10 +103,13 @@ impl Adapter {
         &self.covariance
     }
 
-    /// Eigenvalues of `Sigma`, largest first; empty if they cannot be found.
+    /// Eigenvalues of `Sigma`, largest first; empty if they cannot be found, and without features.
     pub fn spectrum(&self) -> Vec<f64> {
         // Bound on the iterations: the decomposition must end for every matrix.
         const MOST_STEPS: usize = 10_000;
+        if self.covariance.is_empty() {
+            return Vec::new();
+        }
         let found =
             nalgebra::SymmetricEigen::try_new(self.covariance.clone(), f64::EPSILON, MOST_STEPS);
         let mut values = found.map_or_else(Vec::new, |e| e.eigenvalues.iter().copied().collect());
