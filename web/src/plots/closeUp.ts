@@ -127,11 +127,12 @@ export class CloseUp implements Panel {
     return this.zscore && z !== null ? 1 / z : 1;
   }
 
-  /** Values of a channel from `from` to `to` seconds after the forecast was made. */
+  /** Values of a channel from `from` to `to` seconds after the forecast was made, up to the newest tick of the frame. */
   private values(stem: string, from: number, to: number): number[] {
     const [first, last] = [from, to].map((seconds) => this.tick + Math.round(seconds / this.store.tickS)) as [number, number];
     const name = `${stem}.${this.row}`;
-    return Array.from({ length: last - first + 1 }, (_, k) => this.store.at(name, first + k) * this.scale());
+    const end = Math.min(last, this.frame?.newest ?? last);
+    return Array.from({ length: Math.max(0, end - first + 1) }, (_, k) => this.store.at(name, first + k) * this.scale());
   }
 
   private draw(): void {
