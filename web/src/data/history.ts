@@ -3,8 +3,8 @@
 import { type Extremes, LEVEL_TICKS, Pyramid } from "./pyramid";
 
 /**
- * Ticks kept: 10.9 minutes at 100 Hz. One channel takes 256 KiB and its pyramid 39 KiB; the 110 channels of a flight
- * with a forecast therefore take 32 MiB, whatever the length of the flight.
+ * Ticks kept: 10.9 minutes at 100 Hz. One channel takes 256 KiB and its pyramid 39 KiB; the 237 channels of a flight
+ * with a forecast therefore take 68 MiB, whatever the length of the flight.
  */
 export const HISTORY_TICKS = 65_536;
 const LONGEST = LEVEL_TICKS[LEVEL_TICKS.length - 1] ?? 1;

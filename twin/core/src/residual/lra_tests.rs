@@ -155,3 +155,9 @@ fn frozen_or_non_finite_input_changes_nothing() {
     adapter.step(&forecast(&[1.0]), &Coords::repeat(f64::INFINITY).into(), 0.01, false, &settings);
     assert_eq!(before, (adapter.weights().clone(), adapter.covariance().clone()));
 }
+
+#[test]
+fn the_spectrum_of_an_adapter_without_features_is_empty() {
+    let adapter = Adapter::new(0, Coords::repeat(1.0), &Settings::default());
+    assert!(adapter.spectrum().is_empty());
+}
