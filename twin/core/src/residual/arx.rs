@@ -1,7 +1,7 @@
 //! ARX: an autoregression of the residual with rates and forces as further inputs, learned in flight by recursive least squares (RLS)
 //! with forgetting. Ljung, System Identification: Theory for the User, 2nd edition, 1999, sec. 11.2. It needs no training.
 //!
-//! In: residuals, rates and forces of the last ticks. Out: forecasts for `j = 0..=k`. State: the weights of [`KNOTS`], one covariance,
+//! In: residuals, rates and forces of the last ticks. Out: forecasts for `j = 0..=k`. State: the weights of `KNOTS`, one covariance,
 //! and the inputs whose residuals are still unknown.
 //!
 //! A knot `j` has weights of its own, which map the inputs to `r_{t+j}`; between the knots the forecast is interpolated. The gain of a
@@ -45,7 +45,7 @@ struct Asked {
 /// The autoregression as a predictor.
 #[derive(Clone, Debug)]
 pub struct ArxRls {
-    /// Weights of each of [`KNOTS`], `[INPUTS, N]`, between values that are divided by their scales.
+    /// Weights of each of `KNOTS`, `[INPUTS, N]`, between values that are divided by their scales.
     weights: Vec<DMatrix<f64>>,
     /// `[INPUTS, INPUTS]`.
     covariance: DMatrix<f64>,

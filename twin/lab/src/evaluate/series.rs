@@ -50,7 +50,7 @@ pub enum EvaluateError {
         held: usize,
         /// Number of ticks with a fault.
         faulty: usize,
-        /// Number of ticks before [`SCORED_FROM_S`].
+        /// Number of ticks before `SCORED_FROM_S`.
         early: usize,
     },
     /// A folder contains no training recordings.
