@@ -12,7 +12,6 @@ use twin_core::residual::weights::WeightsError;
 #[cfg(feature = "suite")]
 use twin_core::residual::weights::{Acceptance, Weights};
 use twin_core::tick::Tick;
-use twin_input::budget::WEIGHTS_BYTES;
 use twin_input::interruption;
 
 /// Corner of the low-pass on the estimate, Hz.
@@ -119,8 +118,8 @@ pub fn together(flights: &[GateFlight]) -> Option<(f64, [f64; N])> {
 /// [`AcceptanceError`] if the file cannot be read or written.
 #[cfg(feature = "suite")]
 pub fn write(file: &Path, acceptance: Acceptance) -> Result<(), AcceptanceError> {
-    let bytes =
-        twin_input::file::read(file, WEIGHTS_BYTES).map_err(|error| unusable(file, &error))?;
+    let bytes = twin_input::file::read(file, twin_input::budget::WEIGHTS_BYTES)
+        .map_err(|error| unusable(file, &error))?;
     let mut weights = Weights::from_bytes(&bytes)?;
     weights.head.acceptance = acceptance;
     Ok(twin_record::output::replace(file, &weights.to_bytes()?)?)
