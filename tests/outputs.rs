@@ -3,16 +3,15 @@
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
-use tempfile::TempDir;
+use crate::folder;
 use twin_record::read_ticks;
 
 /// A temporary folder with a recording, removed when it is dropped.
-struct Folder(TempDir);
+struct Folder(folder::Folder);
 
 impl Folder {
     fn new(name: &str) -> Self {
-        let prefix = format!("twin-{name}-");
-        Self(tempfile::Builder::new().prefix(&prefix).tempdir().expect("a temporary folder"))
+        Self(folder::Folder::new(name))
     }
 
     /// A folder with the recording `f.mcap` of a short hover.
@@ -24,12 +23,12 @@ impl Folder {
     }
 
     fn path(&self, name: &str) -> String {
-        self.0.path().join(name).to_str().expect("a path of ASCII").to_owned()
+        self.0.path(name).to_str().expect("a path of ASCII").to_owned()
     }
 
     /// Names of all files, in order.
     fn names(&self) -> Vec<String> {
-        let entries = std::fs::read_dir(&self.0).expect("the folder");
+        let entries = std::fs::read_dir(self.0.path("")).expect("the folder");
         let mut names: Vec<String> = entries
             .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
             .collect();
@@ -38,7 +37,7 @@ impl Folder {
     }
 
     fn bytes(&self, name: &str) -> Vec<u8> {
-        std::fs::read(self.0.path().join(name)).expect("the file")
+        std::fs::read(self.0.path(name)).expect("the file")
     }
 
     /// Flies a hover of half a second without a server.
@@ -185,7 +184,7 @@ fn a_second_recording_takes_the_next_free_number_and_says_so() {
     assert!(folder.bytes("f.mcap") == first);
     let replaced = Folder::fly(&["--record", &file, "--overwrite", "--set", "task.duration_s=0.3"]);
     assert_eq!(replaced.status.code(), Some(0), "{}", stderr(&replaced));
-    let ticks = |name: &str| read_ticks(&folder.0.path().join(name)).expect("a recording").len();
+    let ticks = |name: &str| read_ticks(&folder.0.path(name)).expect("a recording").len();
     assert_eq!((ticks("f.mcap"), ticks("f-2.mcap")), (30, TICKS));
     assert_eq!(folder.names(), ["f-2.mcap", "f.mcap"]);
 }
@@ -208,10 +207,7 @@ fn two_flights_at_once_never_share_a_recording() {
     let names = folder.names();
     assert_eq!(names, ["two-2.mcap", "two-3.mcap", "two-4.mcap", "two.mcap"]);
     for name in names {
-        assert_eq!(
-            read_ticks(&folder.0.path().join(name)).expect("a whole recording").len(),
-            TICKS
-        );
+        assert_eq!(read_ticks(&folder.0.path(&name)).expect("a whole recording").len(), TICKS);
     }
 }
 

@@ -12,7 +12,7 @@ mod sweeps;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use tempfile::TempDir;
+use crate::folder;
 
 fn twin(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_twin"))
@@ -23,16 +23,15 @@ fn twin(arguments: &[&str]) -> Output {
 }
 
 /// A folder of this test that is removed at its end.
-struct Folder(TempDir);
+struct Folder(folder::Folder);
 
 impl Folder {
     fn new(name: &str) -> Self {
-        let prefix = format!("twin-{name}-");
-        Self(tempfile::Builder::new().prefix(&prefix).tempdir().expect("a temporary folder"))
+        Self(folder::Folder::new(name))
     }
 
     fn path(&self, name: &str) -> String {
-        self.0.path().join(name).display().to_string()
+        self.0.text(name)
     }
 
     /// A hover of a second with the additional checks `more`; its models are those of the repository.

@@ -6,11 +6,8 @@ use std::collections::VecDeque;
 
 use twin_core::foreseen::Foreseen;
 use twin_core::notation::{KnownCoords, N, TICK_S};
-use twin_core::residual::foresight::BAND_90;
+use twin_core::residual::foresight::{BAND_90, MOST_WAITING};
 use twin_core::tick::{EventKind, Tick};
-
-/// Longest lead that is judged, ticks.
-const MOST_TICKS: usize = 64;
 
 /// Time after the grasp in which the load is new, s.
 const PICKUP_S: f64 = 1.0;
@@ -58,7 +55,7 @@ impl Coverage {
             }
         }
         self.told.push_front(foreseen.std);
-        self.told.truncate(MOST_TICKS);
+        self.told.truncate(MOST_WAITING);
     }
 
     /// Whether the error of `row` lies in the band of one lead ago; `None` if there is no error, no lead or no band.

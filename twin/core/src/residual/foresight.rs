@@ -19,7 +19,7 @@ const MEMORY_S: f64 = 2.0;
 const DISTRUSTED_AT: f64 = 1.5;
 
 /// Most forecasts that wait, outer periods: longer than any lead.
-const MOST_WAITING: usize = 64;
+pub const MOST_WAITING: usize = 64;
 
 /// Half width of a band that holds 90 % of a normal distribution, in standard deviations.
 pub const BAND_90: f64 = 1.645;
@@ -173,6 +173,14 @@ impl Foresight {
             }
         })
     }
+}
+
+/// Forecast `step` steps ahead with the correction of the first step, which the adapter adds to every step (`r_adapt`), N and N m; `None`
+/// beyond the horizon.
+pub fn corrected(forecast: &Forecast, adapted: &Adapted, step: usize) -> Option<KnownCoords> {
+    let first = forecast.base.first()?;
+    let ahead = **forecast.base.get(step)? + (*adapted.r_hat - **first);
+    Some(KnownCoords::from(ahead).only(adapted.r_hat.known()))
 }
 
 /// Base forecast of coordinate `row` at `periods` after now, between the steps of the horizon and not beyond it.

@@ -126,8 +126,7 @@ impl Adapter {
         let base = forecast.base.first().copied().unwrap_or_else(|| Coords::zeros().into());
         let step = (known - *base).component_div(&self.scale) - self.correction(&g);
         let step = KnownCoords::from(step).only(base.known()).or(&Coords::zeros());
-        let adapts = g.len() == self.weights.nrows() && !g.is_empty();
-        if !adapts {
+        if !self.adapts(&g) {
             return;
         }
         if settings.bias_s > 0.0 && step.iter().all(|v| v.is_finite()) {
@@ -159,8 +158,7 @@ impl Adapter {
         let lesson = said(innovation).or(&Coords::zeros());
         let usable = settings.enabled
             && !frozen
-            && g.len() == self.weights.nrows()
-            && !g.is_empty()
+            && self.adapts(&g)
             && residual.is_any_known()
             && lesson.iter().chain(g.iter()).all(|v| v.is_finite());
         let mut gain_norm = 0.0;
@@ -198,9 +196,14 @@ impl Adapter {
         }
     }
 
+    /// Whether `g` are the features of this adapter, and there are any.
+    fn adapts(&self, g: &DVector<f64>) -> bool {
+        g.len() == self.weights.nrows() && !g.is_empty()
+    }
+
     /// The correction on the features `g`, bias included, in units of the scale.
     fn correction(&self, g: &DVector<f64>) -> Coords {
-        if g.len() != self.weights.nrows() || g.is_empty() {
+        if !self.adapts(g) {
             return Coords::zeros();
         }
         self.weights.tr_mul(g) + self.bias

@@ -3,6 +3,7 @@
 use super::{Builder, OF_RESIDUAL};
 use twin_core::foreseen::Foreseen;
 use twin_core::notation::{KnownCoords, known_in_both};
+use twin_core::residual::foresight::corrected;
 use twin_core::tick::Tick;
 
 const GROUP: &str = "foresight";
@@ -26,7 +27,7 @@ impl Builder {
         });
         for ticks in FAN_TICKS {
             let label = format!("forecast {ticks} ticks ahead");
-            let take = move |tick: &Tick| corrected(tick, ticks);
+            let take = move |tick: &Tick| corrected(&tick.forecast, &tick.adapted, ticks);
             self.rows(GROUP, OF_RESIDUAL, &format!("fan_{ticks:02}"), &label, take);
         }
     }
@@ -41,13 +42,6 @@ fn foretold(tick: &Tick) -> Option<KnownCoords> {
     let error = &tick.foreseen.as_ref()?.error;
     let known = known_in_both(error.known(), tick.residual.known());
     Some(KnownCoords::from(*tick.residual - **error).only(known))
-}
-
-/// Corrected forecast `ticks` ahead, N and N m; `None` beyond the horizon. The adapter adds its correction of the first step to every step.
-fn corrected(tick: &Tick, ticks: usize) -> Option<KnownCoords> {
-    let first = tick.forecast.base.first()?;
-    let ahead = **tick.forecast.base.get(ticks)? + (*tick.adapted.r_hat - **first);
-    Some(KnownCoords::from(ahead).only(tick.adapted.r_hat.known()))
 }
 
 #[cfg(test)]
