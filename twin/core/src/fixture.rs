@@ -79,6 +79,7 @@ fn adapted(index: u64) -> Adapted {
         gain_norm: 0.25,
         weight_norm: 0.75,
         bias: coords(index, 44),
+        horizon: (0..6).map(|knot| coords(index, 45 + knot)).collect(),
         reset: index.is_multiple_of(7),
         frozen: false,
     }

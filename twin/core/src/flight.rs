@@ -191,7 +191,14 @@ impl Flight {
             self.parts.adapter.move_to(&forecast, known, &tuning.adapter);
         }
         let frozen = reference.adaptation == Adaptation::Held || self.fault.is_some();
-        let adapted = self.parts.adapter.step(&forecast, &residual, dt_s, frozen, &tuning.adapter);
+        let adapted = self.parts.adapter.step(
+            &forecast,
+            &self.history,
+            &residual,
+            dt_s,
+            frozen,
+            &tuning.adapter,
+        );
         let lead_s = self.parts.delays.lead(&tuning.gains);
         let judged = reference.adaptation == Adaptation::Free && self.fault.is_none();
         let foreseen = self.foresight.step(&forecast, &adapted, &residual, &lead_s, dt_s, judged);

@@ -69,7 +69,7 @@ const ROBUST: &str = "Robust term";
 const ADAPTER: &str = "Adapter";
 
 /// The single gains in the order of display.
-static SCALARS: [Scalar; 14] = [
+static SCALARS: [Scalar; 15] = [
     scalar(&quantity::LEAK, ROBUST, "ν", |t| Slot::Number(&mut t.gains.leak)),
     scalar(&quantity::ROBUST_GAIN_INITIAL, ROBUST, "σ̂(0)", |t| {
         Slot::Number(&mut t.gains.robust_gain_initial)
@@ -90,6 +90,9 @@ static SCALARS: [Scalar; 14] = [
     scalar(&quantity::BIAS, ADAPTER, "bias", |t| Slot::Number(&mut t.adapter.bias_s)),
     scalar(&quantity::WEIGHT_LEAK, ADAPTER, "leak of W", |t| {
         Slot::Number(&mut t.adapter.weight_leak_per_s)
+    }),
+    scalar(&quantity::HORIZON_MEMORY, ADAPTER, "memory of horizon", |t| {
+        Slot::Number(&mut t.adapter.horizon_memory_s)
     }),
     scalar(&quantity::RESET_SCALE, ADAPTER, "σ₀", |t| Slot::Number(&mut t.adapter.reset_scale)),
     scalar(&quantity::RESET_THRESHOLD, ADAPTER, "δ", |t| {

@@ -10,6 +10,7 @@ use serde::Serialize;
 use twin_core::elementary::squared;
 use twin_core::notation::{COORDINATE_NAMES, Coords, KnownMask, N, known_in_both};
 use twin_core::residual::REPORTED;
+use twin_core::residual::foresight::a_priori;
 use twin_core::tick::Tick;
 
 /// Results per coordinate and per horizon.
@@ -75,8 +76,7 @@ const EMPTY: Sum = Sum { count: 0.0, total: 0.0, squares: 0.0, min: f64::MAX, ma
 
 /// A forecast that waits for the residual it predicts.
 struct Pending {
-    correction: Coords,
-    base: Vec<Coords>,
+    ahead: Vec<Coords>,
     persistence: Coords,
     known: KnownMask,
 }
@@ -123,11 +123,9 @@ impl Score {
             sum.min = sum.min.min(r[row]);
             sum.max = sum.max.max(r[row]);
         }
-        let base = &tick.forecast.base;
-        if let (Some((persistence, was_known)), Some(first)) = (self.last, base.first()) {
+        if let Some((persistence, was_known)) = self.last {
             self.pending.push_front(Pending {
-                correction: *tick.adapted.r_hat_prior - **first,
-                base: base.iter().map(|base| **base).collect(),
+                ahead: a_priori(&tick.forecast, &tick.adapted),
                 persistence,
                 known: known_in_both(was_known, known),
             });
@@ -137,9 +135,7 @@ impl Score {
         self.pending.truncate(REPORTED[REPORTED.len() - 1] + 1);
         for (at, j) in REPORTED.into_iter().enumerate() {
             let Some(made) = self.pending.get(j) else { continue };
-            let Some(forecast) = made.base.get(j).map(|base| base + made.correction) else {
-                continue;
-            };
+            let Some(forecast) = made.ahead.get(j) else { continue };
             for row in (0..N).filter(|row| known[*row] && made.known[*row]) {
                 let z = |error: f64| squared(error / self.scale[row]);
                 self.squares[at][0] += z(r[row] - forecast[row]);

@@ -34,6 +34,9 @@ const TUNED_RESET_THRESHOLD: f64 = 1.1;
 /// `--set predictor.kind=fdt`.
 const TRAINED_RESET_THRESHOLD: f64 = 0.05;
 
+/// Memory of the correction of the horizon in the `tuned` preset, s: in 20 s of flight every coordinate moves.
+const TUNED_HORIZON_MEMORY_S: f64 = 20.0;
+
 /// Bias of the adapter in the `tuned` preset, s.
 const TUNED_BIAS_S: f64 = 0.5;
 
@@ -274,6 +277,7 @@ pub(super) fn preset_tuning(settings: &Settings, preset: Preset) -> Tuning {
         Preset::Paper => {}
         Preset::Tuned => {
             adapter.bias_s = TUNED_BIAS_S;
+            adapter.horizon_memory_s = TUNED_HORIZON_MEMORY_S;
             adapter.reset_threshold = match settings.predictor.kind {
                 PredictorKind::Fdt | PredictorKind::Trained => TRAINED_RESET_THRESHOLD,
                 _ => TUNED_RESET_THRESHOLD,

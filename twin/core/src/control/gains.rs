@@ -11,7 +11,7 @@ pub const NOMINAL_INERTIA: [f64; 8] = [2.0, 2.0, 2.0, 0.02, 0.02, 0.02, 0.05, 0.
 
 /// Share of the delay by which the `tuned` preset looks ahead, found on paths of the A and B scenarios (RESULTS.md). The whole delay is too
 /// much: a forecast contains the vehicle's answer to its own feedback, so a longer lead raises the gain of the loop until it swings.
-const TUNED_LEAD: [f64; 8] = [0.26, 0.26, 0.3, 0.28, 0.28, 0.28, 0.5, 0.5];
+const TUNED_LEAD: [f64; 8] = [0.3, 0.3, 0.3, 0.28, 0.28, 0.28, 0.5, 0.5];
 
 /// Named starting points of [`Gains`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

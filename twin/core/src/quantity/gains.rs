@@ -127,6 +127,16 @@ pub static WEIGHT_LEAK: Quantity = Quantity::new(
 )
 .step(0.05);
 
+/// Memory of the correction of the whole horizon.
+pub static HORIZON_MEMORY: Quantity = Quantity::new(
+    "horizon_memory_s",
+    "s",
+    [0.0, 600.0],
+    "memory of the correction of the whole horizon; 0: no such correction",
+    &["gains.horizon_memory_s"],
+)
+.step(1.0);
+
 /// Covariance after a reset.
 pub static RESET_SCALE: Quantity = Quantity::new(
     "reset_scale",
@@ -178,7 +188,7 @@ pub static ADAPTER_ON: Quantity = Quantity::new(
 .step(1.0);
 
 /// All quantities of this file.
-pub(super) static ALL: [&Quantity; 18] = [
+pub(super) static ALL: [&Quantity; 19] = [
     &SLOPE,
     &DAMPING_OF_TRANSLATION,
     &DAMPING_OF_ROTATION,
@@ -192,6 +202,7 @@ pub(super) static ALL: [&Quantity; 18] = [
     &FORGETTING,
     &BIAS,
     &WEIGHT_LEAK,
+    &HORIZON_MEMORY,
     &RESET_SCALE,
     &RESET_THRESHOLD,
     &INNOVATION_SMOOTHING,

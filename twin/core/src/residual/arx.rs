@@ -19,13 +19,13 @@ use crate::tick::Forecast;
 
 /// Number of ticks whose residual, rates and force are inputs. With 4 the RMSE on the test flight is a third below that with 2, and
 /// 6 gain nothing.
-const TICKS: usize = 4;
+pub const TICKS: usize = 4;
 
 /// Number of inputs: a constant, and three groups of coordinates for each tick.
-const INPUTS: usize = 1 + 3 * N * TICKS;
+pub(super) const INPUTS: usize = 1 + 3 * N * TICKS;
 
 /// Steps `j` that are learned. An iterated one-step model has the same errors within 3 %, and nothing keeps it bounded.
-const KNOTS: [usize; 6] = [0, 3, 6, 10, 16, HORIZON];
+pub(super) const KNOTS: [usize; 6] = [0, 3, 6, 10, 16, HORIZON];
 
 /// Weight of an error of the previous tick relative to one of this tick: a memory of 20 s, in which every coordinate moves.
 const FORGETTING: f64 = 0.9995;
@@ -67,17 +67,18 @@ impl Default for ArxRls {
 }
 
 /// The inputs of the newest tick, `[INPUTS]`: a constant, then residual, rates and force of each tick, newest first. At the start the
-/// oldest entry stands for the missing ticks.
-fn inputs(history: &History) -> DVector<f64> {
+/// oldest entry stands for the missing ticks. Residuals and forces are divided by `scale`, N and N m.
+pub(super) fn inputs_of(history: &History, scale: &Coords) -> DVector<f64> {
     let mut inputs = DVector::zeros(INPUTS);
     inputs[0] = 1.0;
+    let rate_scale = Coords::from(RATE_SCALE);
     let newest = history.len().saturating_sub(1);
     for tick in 0..TICKS {
         let Some(entry) = history.iter().nth(newest.saturating_sub(tick)) else { break };
         let groups = [
-            (&entry.residual_previous, NOMINAL_SCALE),
-            (&entry.chi_dot, RATE_SCALE),
-            (&entry.tau_previous, NOMINAL_SCALE),
+            (&entry.residual_previous, scale),
+            (&entry.chi_dot, &rate_scale),
+            (&entry.tau_previous, scale),
         ];
         for (group, (values, scale)) in groups.into_iter().enumerate() {
             for row in 0..N {
@@ -119,7 +120,7 @@ impl ArxRls {
 }
 
 /// The value at step `j` on the line between the `knots` around it.
-fn between(knots: &[Coords], j: usize) -> Coords {
+pub(super) fn between(knots: &[Coords], j: usize) -> Coords {
     let after = KNOTS.iter().position(|knot| *knot >= j).unwrap_or(KNOTS.len() - 1);
     let before = after.saturating_sub(1);
     let width = (KNOTS[after] - KNOTS[before]).max(1) as f64;
@@ -137,7 +138,7 @@ impl Predictor for ArxRls {
     }
 
     fn predict(&mut self, history: &History) -> Forecast {
-        let inputs = inputs(history);
+        let inputs = inputs_of(history, &Coords::from(NOMINAL_SCALE));
         let finite = inputs.iter().all(|value| value.is_finite());
         if finite {
             if let Some(entry) = history.newest() {
@@ -215,12 +216,12 @@ mod tests {
         const TICKS_FLOWN: usize = 120;
         let (mut arx, mut history) = (ArxRls::default(), History::new(TICKS));
         let mut asked = Vec::new();
+        let scale = Coords::from(NOMINAL_SCALE);
         for tick in 0..TICKS_FLOWN {
             fill(&mut history, tick);
-            asked.push(inputs(&history));
+            asked.push(inputs_of(&history, &scale));
             arx.predict(&history);
         }
-        let scale = Coords::from(NOMINAL_SCALE);
         for (at, knot) in KNOTS.into_iter().enumerate() {
             // The last call learned the residual of tick TICKS_FLOWN - 2, which knot j asked about j ticks before.
             let lessons = TICKS_FLOWN - 1 - knot;

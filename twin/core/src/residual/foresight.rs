@@ -7,6 +7,7 @@
 
 use std::collections::VecDeque;
 
+use super::horizon::at_step;
 use crate::elementary::{exp, squared};
 use crate::foreseen::Foreseen;
 use crate::notation::{Coords, KnownCoords, N};
@@ -110,7 +111,8 @@ impl Foresight {
     ) -> Foreseen {
         let base = forecast.base.first().map_or_else(Coords::zeros, |base| **base);
         let correction = *adapted.r_hat - base;
-        let ahead = Coords::from_fn(|row, _| at(forecast, row, lead_s[row] / dt_s)) + correction;
+        let ahead =
+            Coords::from_fn(|row, _| at(forecast, adapted, row, lead_s[row] / dt_s)) + correction;
         let periods = std::array::from_fn(|row| (lead_s[row] / dt_s).round() as usize);
         let error = if learning {
             self.judge(residual, adapted, exp(-dt_s / MEMORY_S))
@@ -175,20 +177,35 @@ impl Foresight {
     }
 }
 
-/// Forecast `step` steps ahead with the correction of the first step, which the adapter adds to every step (`r_adapt`), N and N m; `None`
-/// beyond the horizon.
+/// Forecasts for `j = 0..=k` that were made before the residual of their first tick was known, N and N m; a coordinate whose residual is
+/// unknown has no meaningful number.
+pub fn a_priori(forecast: &Forecast, adapted: &Adapted) -> Vec<Coords> {
+    let first = forecast.base.first().map_or_else(Coords::zeros, |base| **base);
+    let correction = *adapted.r_hat_prior - first;
+    let at =
+        |(step, base): (usize, &KnownCoords)| **base + correction + at_step(&adapted.horizon, step);
+    forecast.base.iter().enumerate().map(at).collect()
+}
+
+/// Forecast `step` steps ahead, N and N m; `None` beyond the horizon. It has the correction of the first step, which the adapter adds to
+/// every step (`r_adapt`), and the correction of the horizon.
 pub fn corrected(forecast: &Forecast, adapted: &Adapted, step: usize) -> Option<KnownCoords> {
     let first = forecast.base.first()?;
-    let ahead = **forecast.base.get(step)? + (*adapted.r_hat - **first);
+    let ahead =
+        **forecast.base.get(step)? + (*adapted.r_hat - **first) + at_step(&adapted.horizon, step);
     Some(KnownCoords::from(ahead).only(adapted.r_hat.known()))
 }
 
-/// Base forecast of coordinate `row` at `periods` after now, between the steps of the horizon and not beyond it.
-fn at(forecast: &Forecast, row: usize, periods: f64) -> f64 {
+/// Base forecast of coordinate `row` with the correction of the horizon at `periods` after now, between the steps of the horizon and not
+/// beyond it.
+fn at(forecast: &Forecast, adapted: &Adapted, row: usize, periods: f64) -> f64 {
     let last = forecast.base.len().saturating_sub(1);
     let within = periods.clamp(0.0, last as f64);
     let (before, share) = (within as usize, within.fract());
-    let value = |step: usize| forecast.base.get(step.min(last)).map_or(0.0, |base| base[row]);
+    let value = |step: usize| {
+        let step = step.min(last);
+        forecast.base.get(step).map_or(0.0, |base| base[row] + at_step(&adapted.horizon, step)[row])
+    };
     value(before) + share * (value(before + 1) - value(before))
 }
 

@@ -7,6 +7,7 @@ use rand_pcg::Pcg64;
 use super::*;
 use crate::normal::StandardNormal;
 use crate::notation::TICK_S;
+use crate::residual::History;
 use crate::residual::lra::{Adapter, Settings};
 
 /// A few roundings of numbers near 10.
@@ -22,7 +23,7 @@ fn step(foresight: &mut Foresight, r: f64, now: f64, slope: f64, lead_s: f64) ->
     let settings = Settings { enabled: false, ..Settings::default() };
     let residual = KnownCoords::from(Coords::repeat(r));
     let mut adapter = Adapter::new(0, Coords::repeat(1.0), &settings);
-    let adapted = adapter.step(&forecast, &residual, TICK_S, false, &settings);
+    let adapted = adapter.step(&forecast, &History::new(1), &residual, TICK_S, false, &settings);
     foresight.step(&forecast, &adapted, &residual, &Coords::repeat(lead_s), TICK_S, true)
 }
 
@@ -84,8 +85,14 @@ fn in_contact_nothing_is_judged_and_what_waits_is_dropped() {
     };
     let settings = Settings { enabled: false, ..Settings::default() };
     let residual = KnownCoords::from(Coords::repeat(100.0));
-    let adapted = Adapter::new(0, Coords::repeat(1.0), &settings)
-        .step(&forecast, &residual, TICK_S, true, &settings);
+    let adapted = Adapter::new(0, Coords::repeat(1.0), &settings).step(
+        &forecast,
+        &History::new(1),
+        &residual,
+        TICK_S,
+        true,
+        &settings,
+    );
     let lead = Coords::repeat(0.05);
     let held = foresight.step(&forecast, &adapted, &residual, &lead, TICK_S, false);
     assert!(!held.error.is_any_known());

@@ -3,12 +3,15 @@
 //! In: base forecast `r_hat_base`, regime `g'`, measured residual `r`. Out: [`Adapted`]. State: `W` (`d_k` × n), `Sigma`
 //! (`d_k` × `d_k`), the bias, the moving average of the innovation, ticks since the last reset.
 //!
-//! Two parts are ours, and off in the presets of the paper: a bias per coordinate, which learns a constant force without waiting for a
-//! feature that is constant, and a leak of the weights towards zero, so that a correction that nothing asks for any more fades.
+//! Three parts are ours, and off in the presets of the paper: a bias per coordinate, which learns a constant force without waiting for a
+//! feature that is constant; a leak of the weights towards zero, so that a correction that nothing asks for any more fades; and the
+//! correction of the whole horizon ([`HorizonAdapter`]).
 
 use nalgebra::{Const, DMatrix, DVector, Dyn, OMatrix};
 use serde::{Deserialize, Serialize};
 
+use super::History;
+use super::horizon::{self, HorizonAdapter};
 use crate::elementary::exp;
 use crate::notation::{Coords, KnownCoords, N};
 use crate::tick::{Adapted, Forecast};
@@ -37,6 +40,9 @@ pub struct Settings {
     /// Rate at which the weights leak to zero, 1/s.
     #[serde(default)]
     pub weight_leak_per_s: f64,
+    /// Time constant with which the correction of the whole horizon forgets, s; 0 switches that correction off.
+    #[serde(default)]
+    pub horizon_memory_s: f64,
     /// The trace of the covariance is capped at this value times `d_k`; infinite switches the cap off.
     pub trace_cap_per_feature: f64,
 }
@@ -59,6 +65,7 @@ impl Default for Settings {
             refractory_s: 1.0,
             bias_s: 0.0,
             weight_leak_per_s: 0.0,
+            horizon_memory_s: 0.0,
             trace_cap_per_feature: 10.0,
         }
     }
@@ -77,6 +84,7 @@ pub struct Adapter {
     bias: Coords,
     innovation_mean: Coords,
     ticks_since_reset: u64,
+    horizon: HorizonAdapter,
 }
 
 impl Adapter {
@@ -90,6 +98,7 @@ impl Adapter {
             bias: Coords::zeros(),
             innovation_mean: Coords::zeros(),
             ticks_since_reset: u64::MAX / 2,
+            horizon: HorizonAdapter::new(scale),
         }
     }
 
@@ -141,6 +150,7 @@ impl Adapter {
     pub fn step(
         &mut self,
         forecast: &Forecast,
+        history: &History,
         residual: &KnownCoords,
         dt_s: f64,
         frozen: bool,
@@ -149,7 +159,8 @@ impl Adapter {
         let base = forecast.base.first().map_or_else(Coords::zeros, |base| **base);
         let g = DVector::from_column_slice(&forecast.regime);
         let correction = self.correction(&g);
-        let r_hat_prior = base + correction.component_mul(&self.scale);
+        let correction = correction.component_mul(&self.scale);
+        let r_hat_prior = base + correction;
         // lip: innovation with the weights of the previous tick
         let innovation = (**residual - r_hat_prior).component_div(&self.scale);
         let known = residual.known();
@@ -161,6 +172,12 @@ impl Adapter {
             && self.adapts(&g)
             && residual.is_any_known()
             && lesson.iter().chain(g.iter()).all(|v| v.is_finite());
+        let horizon = if settings.enabled && settings.horizon_memory_s > 0.0 && self.adapts(&g) {
+            let forgetting = horizon::forgetting(settings.horizon_memory_s, dt_s);
+            self.horizon.step(forecast, &correction, history, residual, forgetting, usable)
+        } else {
+            Vec::new()
+        };
         let mut gain_norm = 0.0;
         let mut reset = false;
         if usable {
@@ -191,6 +208,7 @@ impl Adapter {
             gain_norm,
             weight_norm: self.weights.norm(),
             bias: self.bias.component_mul(&self.scale),
+            horizon,
             reset,
             frozen: frozen || !settings.enabled,
         }

@@ -41,7 +41,7 @@ proptest! {
         let mut a = DMatrix::identity(4, 4) * powi(lambda, total);
         let mut b = DVector::zeros(4);
         for (t, (g, y)) in data.iter().enumerate() {
-            adapter.step(&forecast(g), &Coords::repeat(*y).into(), 0.01, false, &settings);
+            adapter.step(&forecast(g), &History::new(1), &Coords::repeat(*y).into(), 0.01, false, &settings);
             let g = DVector::from_column_slice(g);
             let weight = powi(lambda, total - 1 - i32::try_from(t).unwrap());
             a += &g * g.transpose() * weight;
@@ -59,7 +59,7 @@ proptest! {
         let settings = Settings::default();
         let mut adapter = Adapter::new(4, Coords::repeat(1.0), &settings);
         for g in &data {
-            let adapted = adapter.step(&forecast(g), &Coords::repeat(0.1).into(), 0.01, false, &settings);
+            let adapted = adapter.step(&forecast(g), &History::new(1), &Coords::repeat(0.1).into(), 0.01, false, &settings);
             prop_assert!(adapted.covariance_trace <= settings.trace_cap_per_feature * 4.0 * (1.0 + 1e-12));
         }
         prop_assert_eq!(adapter.covariance().transpose(), adapter.covariance().clone());
@@ -71,12 +71,26 @@ fn a_step_of_the_residual_resets_once_per_refractory_time() {
     let settings = Settings { forgetting: 1.0, ..Settings::default() };
     let mut adapter = Adapter::new(1, Coords::repeat(1.0), &settings);
     for _ in 0..2000 {
-        adapter.step(&forecast(&[1.0]), &Coords::zeros().into(), 0.01, false, &settings);
+        adapter.step(
+            &forecast(&[1.0]),
+            &History::new(1),
+            &Coords::zeros().into(),
+            0.01,
+            false,
+            &settings,
+        );
     }
     let resets: Vec<usize> = (0..100)
         .filter(|_| {
             adapter
-                .step(&forecast(&[1.0]), &Coords::repeat(5.0).into(), 0.01, false, &settings)
+                .step(
+                    &forecast(&[1.0]),
+                    &History::new(1),
+                    &Coords::repeat(5.0).into(),
+                    0.01,
+                    false,
+                    &settings,
+                )
                 .reset
         })
         .collect();
@@ -90,12 +104,15 @@ fn a_constant_force_is_learned_by_the_bias_alone_and_a_jump_moves_it() {
     let force = Coords::repeat(3.0);
     let mut before = 0.0;
     for _ in 0..50 {
-        before = adapter.step(&forecast(&[0.0]), &force.into(), 0.01, false, &settings).r_hat[0];
+        before = adapter
+            .step(&forecast(&[0.0]), &History::new(1), &force.into(), 0.01, false, &settings)
+            .r_hat[0];
     }
     // First order: 1 - exp(-t / 0.5 s) after 0.5 s.
     assert!((before - 3.0 * (1.0 - 1.0_f64 / std::f64::consts::E)).abs() < 1e-9, "{before}");
     adapter.move_to(&forecast(&[0.0]), &Coords::repeat(-5.0), &settings);
-    let after = adapter.step(&forecast(&[0.0]), &force.into(), 0.01, true, &settings);
+    let after =
+        adapter.step(&forecast(&[0.0]), &History::new(1), &force.into(), 0.01, true, &settings);
     assert!((*after.r_hat - Coords::repeat(-5.0)).norm() < 1e-12);
     assert!((after.bias - Coords::repeat(-5.0)).norm() < 1e-12, "the base forecast is zero");
 }
@@ -104,11 +121,25 @@ fn a_constant_force_is_learned_by_the_bias_alone_and_a_jump_moves_it() {
 fn weights_that_nothing_asks_for_fade_with_the_leak() {
     let settings = Settings { weight_leak_per_s: 2.0, forgetting: 1.0, ..Settings::default() };
     let mut adapter = Adapter::new(1, Coords::repeat(1.0), &settings);
-    adapter.step(&forecast(&[1.0]), &Coords::repeat(1.0).into(), 0.01, false, &settings);
+    adapter.step(
+        &forecast(&[1.0]),
+        &History::new(1),
+        &Coords::repeat(1.0).into(),
+        0.01,
+        false,
+        &settings,
+    );
     let before = adapter.weights()[0];
     for _ in 0..100 {
         // A feature of zero teaches nothing.
-        adapter.step(&forecast(&[0.0]), &Coords::zeros().into(), 0.01, false, &settings);
+        adapter.step(
+            &forecast(&[0.0]),
+            &History::new(1),
+            &Coords::zeros().into(),
+            0.01,
+            false,
+            &settings,
+        );
     }
     // exp(-2 / s * 1 s)
     assert!((adapter.weights()[0] / before - exp(-2.0)).abs() < 1e-9);
@@ -118,10 +149,25 @@ fn weights_that_nothing_asks_for_fade_with_the_leak() {
 fn after_a_move_the_estimate_is_the_known_value() {
     let settings = Settings::default();
     let mut adapter = Adapter::new(2, Coords::repeat(2.0), &settings);
-    adapter.step(&forecast(&[1.0, 0.5]), &Coords::repeat(3.0).into(), 0.01, false, &settings);
+    adapter.step(
+        &forecast(&[1.0, 0.5]),
+        &History::new(1),
+        &Coords::repeat(3.0).into(),
+        0.01,
+        false,
+        &settings,
+    );
     adapter.move_to(&forecast(&[1.0, 0.5]), &Coords::repeat(-5.0), &settings);
-    let after =
-        adapter.step(&forecast(&[1.0, 0.5]), &Coords::zeros().into(), 0.01, true, &settings).r_hat;
+    let after = adapter
+        .step(
+            &forecast(&[1.0, 0.5]),
+            &History::new(1),
+            &Coords::zeros().into(),
+            0.01,
+            true,
+            &settings,
+        )
+        .r_hat;
     assert!((*after - Coords::repeat(-5.0)).norm() < 1e-12);
 }
 
@@ -129,18 +175,33 @@ fn after_a_move_the_estimate_is_the_known_value() {
 fn a_row_whose_residual_is_unknown_teaches_nothing_and_is_not_estimated() {
     let settings = Settings::default();
     let mut adapter = Adapter::new(1, Coords::repeat(1.0), &settings);
-    adapter.step(&forecast(&[1.0]), &Coords::repeat(1.0).into(), 0.01, false, &settings);
+    adapter.step(
+        &forecast(&[1.0]),
+        &History::new(1),
+        &Coords::repeat(1.0).into(),
+        0.01,
+        false,
+        &settings,
+    );
     let before = adapter.weights().clone();
     let mut known = [true; N];
     known[1] = false;
     let partly = KnownCoords::from(Coords::repeat(9.0)).only(known);
-    let adapted = adapter.step(&forecast(&[1.0]), &partly, 0.01, false, &settings);
+    let adapted =
+        adapter.step(&forecast(&[1.0]), &History::new(1), &partly, 0.01, false, &settings);
     for row in 0..N {
         assert_eq!(adapter.weights()[row].to_bits() == before[row].to_bits(), !known[row], "{row}");
     }
     assert_eq!((adapted.r_hat.known(), adapted.innovation.known()), (known, known));
     let before = (adapter.weights().clone(), adapter.covariance().clone());
-    adapter.step(&forecast(&[1.0]), &KnownCoords::unknown(), 0.01, false, &settings);
+    adapter.step(
+        &forecast(&[1.0]),
+        &History::new(1),
+        &KnownCoords::unknown(),
+        0.01,
+        false,
+        &settings,
+    );
     assert_eq!(before, (adapter.weights().clone(), adapter.covariance().clone()));
 }
 
@@ -148,11 +209,39 @@ fn a_row_whose_residual_is_unknown_teaches_nothing_and_is_not_estimated() {
 fn frozen_or_non_finite_input_changes_nothing() {
     let settings = Settings::default();
     let mut adapter = Adapter::new(1, Coords::repeat(1.0), &settings);
-    adapter.step(&forecast(&[1.0]), &Coords::repeat(1.0).into(), 0.01, false, &settings);
+    adapter.step(
+        &forecast(&[1.0]),
+        &History::new(1),
+        &Coords::repeat(1.0).into(),
+        0.01,
+        false,
+        &settings,
+    );
     let before = (adapter.weights().clone(), adapter.covariance().clone());
-    adapter.step(&forecast(&[1.0]), &Coords::repeat(9.0).into(), 0.01, true, &settings);
-    adapter.step(&forecast(&[f64::NAN]), &Coords::repeat(9.0).into(), 0.01, false, &settings);
-    adapter.step(&forecast(&[1.0]), &Coords::repeat(f64::INFINITY).into(), 0.01, false, &settings);
+    adapter.step(
+        &forecast(&[1.0]),
+        &History::new(1),
+        &Coords::repeat(9.0).into(),
+        0.01,
+        true,
+        &settings,
+    );
+    adapter.step(
+        &forecast(&[f64::NAN]),
+        &History::new(1),
+        &Coords::repeat(9.0).into(),
+        0.01,
+        false,
+        &settings,
+    );
+    adapter.step(
+        &forecast(&[1.0]),
+        &History::new(1),
+        &Coords::repeat(f64::INFINITY).into(),
+        0.01,
+        false,
+        &settings,
+    );
     assert_eq!(before, (adapter.weights().clone(), adapter.covariance().clone()));
 }
 
@@ -160,4 +249,25 @@ fn frozen_or_non_finite_input_changes_nothing() {
 fn the_spectrum_of_an_adapter_without_features_is_empty() {
     let adapter = Adapter::new(0, Coords::repeat(1.0), &Settings::default());
     assert!(adapter.spectrum().is_empty());
+}
+
+#[test]
+fn the_horizon_is_corrected_only_for_a_predictor_with_a_regime_and_with_a_memory() {
+    let history = {
+        let mut history = History::new(4);
+        history.push(Coords::zeros(), Coords::zeros(), Coords::zeros(), Coords::zeros());
+        history
+    };
+    let corrected = |regime: &[f64], horizon_memory_s: f64| {
+        let settings = Settings { horizon_memory_s, ..Settings::default() };
+        let mut adapter = Adapter::new(regime.len(), Coords::repeat(1.0), &settings);
+        let residual = Coords::repeat(1.0).into();
+        !adapter
+            .step(&forecast(regime), &history, &residual, 0.01, false, &settings)
+            .horizon
+            .is_empty()
+    };
+    assert!(corrected(&[1.0], 20.0));
+    assert!(!corrected(&[1.0], 0.0));
+    assert!(!corrected(&[], 20.0));
 }

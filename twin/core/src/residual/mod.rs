@@ -5,14 +5,15 @@
 
 pub mod label;
 pub mod history;
+pub mod random_features;
+pub mod arx;
+pub mod horizon;
 pub mod lra;
 pub mod foresight;
 pub mod gravity;
 pub mod persistence;
 pub mod oracle;
 pub mod extrapolated;
-pub mod arx;
-pub mod random_features;
 mod scaling;
 pub mod weights;
 pub mod nn;

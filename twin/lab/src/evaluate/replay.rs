@@ -9,6 +9,7 @@ use serde::Serialize;
 use super::score::{Horizon, Score};
 use super::series::{SCORED_FROM_S, Series, Statistics};
 use twin_core::notation::{Coords, TICK_S};
+use twin_core::residual::foresight::a_priori;
 use twin_core::residual::{History, Predictor, lra};
 
 /// The steps of a forecast that pictures draw over time.
@@ -69,15 +70,14 @@ pub fn replay(entrant: &mut Entrant, series: &Series, statistics: &Statistics) -
         let forecast = entrant.predictor.predict(&history);
         let adapted = entrant.adapter.step(
             &forecast,
+            &history,
             &sample.residual.into(),
             TICK_S,
             !sample.usable,
             &entrant.settings,
         );
         times_ms.push(started.elapsed().as_secs_f64() * 1e3);
-        let base = forecast.base.first().map_or_else(Coords::zeros, |base| **base);
-        let correction = *adapted.r_hat_prior - base;
-        let ahead: Vec<Coords> = forecast.base.iter().map(|base| **base + correction).collect();
+        let ahead = a_priori(&forecast, &adapted);
         let counts = sample.usable && sample.t_s >= SCORED_FROM_S;
         traces.push(DRAWN_STEPS.map(|j| ahead.get(j).copied()));
         score.add(ahead, &sample.residual, counts);
