@@ -150,6 +150,7 @@ fn measure(file: &Path) {
     let seconds = opened.long.as_ref().unwrap().ticks() as f64 * TICK_S;
     let running = spawn_mirror(MirrorOptions {
         opened,
+        forecaster: twin_foreign::Forecaster::default(),
         live: None,
         host: "127.0.0.1".to_owned(),
         port: 0,

@@ -28,6 +28,7 @@ pub(super) fn mirror_file(
 ) -> Running {
     spawn_mirror(MirrorOptions {
         opened: OpenedFlight::open(path, None).expect("a flight"),
+        forecaster: twin_foreign::Forecaster::default(),
         live: None,
         host: "127.0.0.1".to_owned(),
         port: 0,

@@ -66,6 +66,7 @@ fn a_twin_mirrors_another_and_goes_on_after_the_stream_was_lost() {
     let opened = live.wait(PATIENCE).expect("a flight");
     let running = spawn_mirror(MirrorOptions {
         opened,
+        forecaster: twin_foreign::Forecaster::default(),
         live: Some(live),
         host: "127.0.0.1".to_owned(),
         port: 0,

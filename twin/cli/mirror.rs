@@ -12,7 +12,7 @@ use twin_core::notation::TICK_S;
 use twin_core::residual::PredictorInfo;
 use twin_core::tick::Tick;
 use twin_foreign::live::{From, is_address};
-use twin_foreign::{Live, OpenedFlight, stand_in};
+use twin_foreign::{Forecaster, Live, OpenedFlight, stand_in};
 use twin_foreign::{Shadow, ShadowReport};
 use twin_input::interruption::{self, Signal};
 use twin_lab::evaluate::mirrored::FlightPicture;
@@ -59,6 +59,10 @@ pub(super) struct MirrorArgs {
     /// Which messages mean what: a TOML file, or a shipped map (`acsl_x8`, `crazyflie`, `px4_arm`) [default: recognised].
     #[arg(long, value_name = "TOPICS.toml")]
     map: Option<String>,
+    /// Trained weights that predict, from `twin train`; they serve a vehicle only if they were trained on its flights [default: an
+    /// autoregression that learns in flight].
+    #[arg(long, value_name = "FILE.weights")]
+    weights: Option<PathBuf>,
     /// Seconds of the recording per second, or `max`.
     #[arg(long, default_value = "1", conflicts_with = "headless", value_parser = parse_speed)]
     rate: Speed,
@@ -90,28 +94,42 @@ pub(super) struct MirrorArgs {
 
 pub(super) fn run(args: &MirrorArgs) -> anyhow::Result<End> {
     if let Some(from) = live(args)? {
+        let forecaster = forecaster(args)?;
         let (live, opened) = hear(&from, args)?;
-        let served = serve_mirror(options(args, opened, Some(live)))?;
+        let served = serve_mirror(options(args, opened, Some(live), forecaster))?;
         return Ok(End::Interrupted(served.signal));
     }
+    let forecaster = forecaster(args)?;
     let opened = open(args)?;
     for problem in &opened.survey.container.problems {
         note(format_args!("{}: {problem}", args.file.display()));
     }
     if !args.headless {
-        let served = serve_mirror(options(args, opened, None))?;
+        let served = serve_mirror(options(args, opened, None, forecaster))?;
         return Ok(End::Interrupted(served.signal));
     }
-    headless(args, &opened)
+    headless(args, &opened, forecaster)
+}
+
+/// The predictor that is asked for.
+fn forecaster(args: &MirrorArgs) -> anyhow::Result<Forecaster> {
+    let Some(file) = &args.weights else { return Ok(Forecaster::default()) };
+    let name = file.display().to_string();
+    Forecaster::trained(super::read_weights(file)?, name.clone()).context(name)
 }
 
 /// Reads the flight to its end, and prints what was found.
-fn headless(args: &MirrorArgs, opened: &OpenedFlight) -> anyhow::Result<End> {
+fn headless(
+    args: &MirrorArgs,
+    opened: &OpenedFlight,
+    forecaster: Forecaster,
+) -> anyhow::Result<End> {
     let outputs = args.overwrite.outputs_beside([&args.file], args.json)?;
     outputs.protect(&args.map);
+    outputs.protect(&args.weights);
     outputs.protect(args.urdf.iter().flat_map(|urdf| Packages::default().files(urdf)));
     let plot = args.plot.as_ref().map(|plot| outputs.reserve(plot, "--plot")).transpose()?;
-    let shadow = Shadow::of(opened);
+    let shadow = Shadow::of(opened).with(forecaster);
     let twin = beside::twin(args.urdf.as_deref(), opened)?;
     let recorder = record(args.record.as_deref(), opened, &shadow, &outputs)?;
     let mut picture = plot.as_ref().map(|_| FlightPicture::new(opened.recorded.mass_kg));
@@ -177,9 +195,15 @@ fn record(
     Ok(Some(recorder.for_flight_of(shadow.ticks() as f64 * TICK_S)))
 }
 
-fn options(args: &MirrorArgs, opened: OpenedFlight, live: Option<Live>) -> MirrorOptions {
+fn options(
+    args: &MirrorArgs,
+    opened: OpenedFlight,
+    live: Option<Live>,
+    forecaster: Forecaster,
+) -> MirrorOptions {
     MirrorOptions {
         opened,
+        forecaster,
         host: args.host.clone(),
         port: args.port,
         speed: args.rate.0,

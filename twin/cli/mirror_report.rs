@@ -97,13 +97,19 @@ fn print_shadow(out: &mut dyn Write, report: &ShadowReport) -> io::Result<()> {
     writeln!(out, "  predictor: {}; resets at {:?} s", report.predictor, report.resets_s)?;
     for horizon in &report.scored.prediction {
         let text = |v: Option<f64>| v.map_or_else(|| "-".to_owned(), |v| format!("{v:.4}"));
+        let share = horizon.band_90_holds.map_or_else(String::new, |share| {
+            let half_width = text(horizon.band_90_z);
+            format!("; band of 90 % +- {half_width} z holds {:.1} %", 100.0 * share)
+        });
         writeln!(
             out,
-            "  j = {}: RMSE {} z, persistence {} z",
+            "  j = {}: RMSE {} z, persistence {} z, mean {} z{share}",
             horizon.j,
             text(horizon.rmse_z),
-            text(horizon.persistence_rmse_z)
+            text(horizon.persistence_rmse_z),
+            text(horizon.mean_rmse_z),
         )?;
     }
+    writeln!(out, "  gate: {}", report.scored.gate)?;
     Ok(())
 }

@@ -478,6 +478,14 @@ horizon_s: number,
  */
 light: Light | null, 
 /**
+ * Where the forecasts of the flight so far are better than persistence and than the mean, and where not, in words.
+ */
+gate: string, 
+/**
+ * Whether they are better at every step; `null` without a score.
+ */
+gate_passed: boolean | null, 
+/**
  * Axes that are compared.
  */
 axes: Array<TwinAxis>, };

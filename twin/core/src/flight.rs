@@ -180,9 +180,10 @@ impl Flight {
         let nominal_gravity = (self.parts.gravity)(&chi);
         let inertia = &tuning.gains.nominal_inertia;
         let seen = stand_ins::remembered(measurement, &residual, &nominal_gravity, inertia);
-        self.history.push(chi, seen.chi_dot, seen.tau, seen.residual);
+        let known = residual.known();
+        self.history.push_masked(chi, seen.chi_dot, seen.tau, seen.residual, known);
         let mut forecast = self.forecast(&nominal_gravity);
-        forecast.base.iter_mut().for_each(|base| *base = base.only(residual.known()));
+        forecast.base.iter_mut().for_each(|base| *base = base.only(known));
         done(Stage::Predict);
         // Lines 5 to 8: adapt.
         let mut reference = *reference;

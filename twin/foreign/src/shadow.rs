@@ -1,7 +1,8 @@
 //! Flies a recording through the same loop in shadow: the loop predicts and adapts, and commands nothing.
 //!
-//! Weights that were trained on one vehicle mean nothing on another, so the predictor is `random_features`. The reference is the ghost: the
-//! pose at this tick that the twin expected half a second before. The tracking error is then the divergence from it.
+//! Weights that were trained on one vehicle mean nothing on another, so the predictor learns in flight, unless weights are given. The
+//! reference is the ghost: the pose at this tick that the twin expected half a second before. The tracking error is then the divergence
+//! from it.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -9,6 +10,7 @@ use std::sync::Arc;
 use nalgebra::{Vector2, Vector3};
 use serde::Serialize;
 
+use super::forecaster::Forecaster;
 use super::shadow_score::{Score, Scored};
 use crate::playback::{Cursor, Playback};
 use crate::{OpenedFlight, RecordedFlight, RecordedSource};
@@ -17,22 +19,11 @@ use twin_core::elementary::squared;
 use twin_core::filter::LowPass;
 use twin_core::flight::{Flight, Parts};
 use twin_core::notation::{Coords, GRAVITY_M_S2, KnownCoords, N, TICK_S};
-use twin_core::residual::{Predictor, RandomFeatures, label, lra};
+use twin_core::residual::{label, lra};
 use twin_core::task::{Step, Task, View};
 use twin_core::tick::{Adaptation, Event, EventKind, GripperCommand, Reference, Setpoint, Tick};
 use twin_core::tuning::Tuning;
 use twin_input::interruption;
-
-/// Name of the predictor for people.
-pub const PREDICTOR: &str =
-    "random_features, adapted in flight; not trained on this or any vehicle";
-
-/// Number of regime features of the adapter, and the seed from which they are drawn.
-const FEATURES: usize = 32;
-const SEED: u64 = 1;
-
-/// Number of ticks of history that the predictor receives.
-const HISTORY_LEN: usize = 120;
 
 /// Smallest standard deviation of a residual that is used as a scale, N and N m.
 const LEAST_SCALE: f64 = 1e-9;
@@ -51,7 +42,7 @@ const GHOST_CORNER_HZ: f64 = 0.5;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ShadowReport {
     /// The predictor, and what it knows about this vehicle.
-    pub predictor: &'static str,
+    pub predictor: String,
     /// Number of ticks flown.
     pub ticks: usize,
     /// Duration of these ticks, s.
@@ -78,6 +69,7 @@ pub struct Shadow {
     nominal: Coords,
     scale: Coords,
     tuning: Tuning,
+    forecaster: Forecaster,
 }
 
 impl Shadow {
@@ -106,7 +98,18 @@ impl Shadow {
         let playback = Arc::new(Playback::whole(recorded));
         let scale = scale(&playback, &gains.nominal_inertia);
         let tuning = Tuning { gains, adapter: lra::Settings::default() };
-        Self { playback, nominal, scale, tuning }
+        Self { playback, nominal, scale, tuning, forecaster: Forecaster::default() }
+    }
+
+    /// The same shadow with another predictor.
+    #[must_use]
+    pub fn with(self, forecaster: Forecaster) -> Self {
+        Self { forecaster, ..self }
+    }
+
+    /// What predicts.
+    pub fn forecaster(&self) -> &Forecaster {
+        &self.forecaster
     }
 
     /// Number of ticks of the recording.
@@ -137,7 +140,8 @@ impl Shadow {
 
     fn parts(&self, source: RecordedSource, first: usize, tuning: &Tuning) -> Parts {
         let nominal = self.nominal;
-        let predictor = RandomFeatures::new(Box::new(move |_| nominal), FEATURES, SEED);
+        let predictor = self.forecaster.predictor();
+        let history_len = predictor.history_len();
         let adapter = lra::Adapter::new(predictor.regime_len(), self.scale, &tuning.adapter);
         // The shadow commands no rotor, so any rotor geometry will do.
         let rotor = Rotor { position_in_body: Vector3::x(), torque_per_thrust_m: 0.01 };
@@ -150,7 +154,7 @@ impl Shadow {
         );
         Parts {
             source: Box::new(source),
-            predictor: Box::new(predictor),
+            predictor,
             adapter,
             controller: Box::new(Adaptive::default()),
             inner,
@@ -173,7 +177,7 @@ impl Shadow {
             triggers: Vec::new(),
             // A shadow commands nothing, so only its estimate is late.
             delays: LoopDelays::default(),
-            history_len: HISTORY_LEN,
+            history_len,
             outer_divisor: 1,
         }
     }
@@ -209,7 +213,7 @@ impl Shadow {
             watch(&tick);
         }
         Some(ShadowReport {
-            predictor: PREDICTOR,
+            predictor: self.forecaster.sentence(),
             ticks,
             flight_s: ticks as f64 * TICK_S,
             airborne_ticks,

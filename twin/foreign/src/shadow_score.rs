@@ -1,25 +1,32 @@
 //! Residuals and predictions of a mirrored flight, over the coordinates and ticks at which they are known.
 //!
 //! Every prediction is a priori: `base_j + W'_{t-1} g'_t`, made before `r_t` was seen, scored against `r_{t+j}`; persistence is
-//! `r_{t-1}` for every `j`.
+//! `r_{t-1}` for every `j`, and the mean is that of the scored residuals, which nobody knew in flight.
 
 use std::collections::VecDeque;
 
 use serde::Serialize;
 
-use twin_core::elementary::squared;
-use twin_core::notation::{COORDINATE_NAMES, Coords, KnownMask, N, known_in_both};
-use twin_core::residual::REPORTED;
-use twin_core::residual::foresight::a_priori;
+use super::gate;
+use twin_core::elementary::{exp, squared};
+use twin_core::notation::{
+    COORDINATE_NAMES, Coords, KnownCoords, KnownMask, N, TICK_S, known_in_both,
+};
+use twin_core::residual::foresight::{BAND_90, Errors, MEMORY_S, a_priori};
 use twin_core::tick::Tick;
+
+/// The steps `j` whose forecasts are scored, ticks: each of the paper's horizon, and two of the longer one.
+pub const SCORED: [usize; 9] = [0, 1, 2, 3, 4, 5, 6, 10, 20];
 
 /// Results per coordinate and per horizon.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Scored {
     /// Results of each coordinate, in coordinate order.
     pub rows: Vec<RowReport>,
-    /// Errors by horizon, `j = 0..=k`.
+    /// Errors at each of [`SCORED`].
     pub prediction: Vec<HorizonReport>,
+    /// Where the forecast is better than persistence and than the mean, and where it is not, in words.
+    pub gate: String,
 }
 
 /// Results of one coordinate.
@@ -59,11 +66,21 @@ pub struct HorizonReport {
     pub rmse_z: Option<f64>,
     /// The same error of the persistence forecast.
     pub persistence_rmse_z: Option<f64>,
+    /// The same error of the mean of the scored residuals.
+    pub mean_rmse_z: Option<f64>,
+    /// Whether the forecast errs less than persistence.
+    pub better_than_persistence: Option<bool>,
+    /// Whether the forecast errs less than the mean.
+    pub better_than_mean: Option<bool>,
+    /// Share of residuals inside the band that the forecast's earlier errors gave it; 0.9 is aimed at.
+    pub band_90_holds: Option<f64>,
+    /// Mean half width of that band, in standard deviations of each coordinate's residual.
+    pub band_90_z: Option<f64>,
     /// Number of forecasts that were scored.
     pub samples: usize,
 }
 
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Sum {
     count: f64,
     total: f64,
@@ -75,41 +92,94 @@ struct Sum {
 const EMPTY: Sum = Sum { count: 0.0, total: 0.0, squares: 0.0, min: f64::MAX, max: f64::MIN };
 
 /// A forecast that waits for the residual it predicts.
+#[derive(Debug)]
 struct Pending {
     ahead: Vec<Coords>,
     persistence: Coords,
     known: KnownMask,
+    /// Predictive standard deviation at each of [`SCORED`], as z-scores.
+    std: [KnownCoords; SCORED.len()],
+}
+
+/// Sums over the forecasts of one horizon, as z-scores.
+#[derive(Clone, Debug, Default)]
+struct Horizon {
+    samples: usize,
+    /// Squared errors of the forecast and of persistence.
+    squares: [f64; 2],
+    /// Number, sum and sum of squares of the residuals of each coordinate, for the error of their mean.
+    residuals: [[f64; 3]; N],
+    /// Errors of the last seconds, as z-scores, for the band.
+    errors: Errors,
+    /// Number of forecasts with a band, number of residuals inside it, and sum of its half widths.
+    band: [f64; 3],
+}
+
+impl Horizon {
+    /// Adds the residual `r` of coordinate `row`, whose forecast, persistence and band (half width) were made before; all are z-scores.
+    fn add(&mut self, row: usize, r: f64, forecast: f64, persistence: f64, band: Option<f64>) {
+        self.samples += 1;
+        self.squares[0] += squared(r - forecast);
+        self.squares[1] += squared(r - persistence);
+        let [count, sum, square] = &mut self.residuals[row];
+        (*count, *sum, *square) = (*count + 1.0, *sum + r, *square + r * r);
+        self.errors.add(row, r - forecast, exp(-TICK_S / MEMORY_S));
+        if let Some(half_width) = band {
+            let inside = f64::from(u8::from((r - forecast).abs() <= half_width));
+            self.band = [self.band[0] + 1.0, self.band[1] + inside, self.band[2] + half_width];
+        }
+    }
+
+    fn report(&self, j: usize) -> HorizonReport {
+        let root =
+            |sum: f64| (self.samples > 0).then(|| (sum / self.samples as f64).max(0.0).sqrt());
+        let about_mean =
+            |[count, sum, square]: &[f64; 3]| square - sum * sum / f64::max(*count, 1.0);
+        let [rmse_z, persistence_rmse_z] = self.squares.map(root);
+        let mean_rmse_z = root(self.residuals.iter().map(about_mean).sum());
+        let better = |other: Option<f64>| Some(rmse_z? < other?);
+        let share = |sum: f64| (self.band[0] > 0.0).then(|| sum / self.band[0]);
+        HorizonReport {
+            j,
+            rmse_z,
+            persistence_rmse_z,
+            mean_rmse_z,
+            better_than_persistence: better(persistence_rmse_z),
+            better_than_mean: better(mean_rmse_z),
+            band_90_holds: share(self.band[1]),
+            band_90_z: share(self.band[2]),
+            samples: self.samples,
+        }
+    }
 }
 
 /// Collects the statistics tick by tick.
-pub(super) struct Score {
+#[derive(Debug)]
+pub struct Score {
     scale: Coords,
     /// Number of ticks at which each coordinate is known.
     coordinates: [usize; N],
     rows: [Sum; N],
-    /// Sums of squared errors of the forecast and of persistence at each of [`REPORTED`], and their numbers.
-    squares: [[f64; 2]; REPORTED.len()],
-    samples: [usize; REPORTED.len()],
+    horizons: [Horizon; SCORED.len()],
     pending: VecDeque<Pending>,
     last: Option<(Coords, KnownMask)>,
 }
 
 impl Score {
     /// An empty score; `scale` is the standard deviation of each coordinate's residual, N and N m.
-    pub(super) fn new(scale: Coords) -> Self {
+    pub fn new(scale: Coords) -> Self {
         Self {
             scale,
             coordinates: [0; N],
             rows: [EMPTY; N],
-            squares: [[0.0; 2]; REPORTED.len()],
-            samples: [0; REPORTED.len()],
+            horizons: Default::default(),
             pending: VecDeque::new(),
             last: None,
         }
     }
 
     /// Adds one tick.
-    pub(super) fn add(&mut self, tick: &Tick) {
+    pub fn add(&mut self, tick: &Tick) {
         let (r, known) = (*tick.residual, tick.residual.known());
         self.coordinates
             .iter_mut()
@@ -128,22 +198,28 @@ impl Score {
                 ahead: a_priori(&tick.forecast, &tick.adapted),
                 persistence,
                 known: known_in_both(was_known, known),
+                std: std::array::from_fn(|at| self.horizons[at].errors.std()),
             });
         } else {
             self.pending.clear();
         }
-        self.pending.truncate(REPORTED[REPORTED.len() - 1] + 1);
-        for (at, j) in REPORTED.into_iter().enumerate() {
+        self.pending.truncate(SCORED[SCORED.len() - 1] + 1);
+        for (horizon, (at, j)) in self.horizons.iter_mut().zip(SCORED.into_iter().enumerate()) {
             let Some(made) = self.pending.get(j) else { continue };
             let Some(forecast) = made.ahead.get(j) else { continue };
             for row in (0..N).filter(|row| known[*row] && made.known[*row]) {
-                let z = |error: f64| squared(error / self.scale[row]);
-                self.squares[at][0] += z(r[row] - forecast[row]);
-                self.squares[at][1] += z(r[row] - made.persistence[row]);
-                self.samples[at] += 1;
+                let z = |value: f64| value / self.scale[row];
+                let band = made.std[at].get(row).map(|std| BAND_90 * std);
+                let (forecast, persistence) = (z(forecast[row]), z(made.persistence[row]));
+                horizon.add(row, z(r[row]), forecast, persistence, band);
             }
         }
         self.last = Some((r, known));
+    }
+
+    /// Errors of the forecasts so far, at each of [`SCORED`].
+    pub fn prediction(&self) -> Vec<HorizonReport> {
+        self.horizons.iter().zip(SCORED).map(|(horizon, j)| horizon.report(j)).collect()
     }
 
     /// The results of a flight of `ticks` ticks.
@@ -165,17 +241,8 @@ impl Score {
                 }),
             }
         });
-        let prediction = REPORTED.into_iter().enumerate().map(|(at, j)| {
-            let root =
-                |sum: f64| (self.samples[at] > 0).then(|| (sum / self.samples[at] as f64).sqrt());
-            HorizonReport {
-                j,
-                rmse_z: root(self.squares[at][0]),
-                persistence_rmse_z: root(self.squares[at][1]),
-                samples: self.samples[at],
-            }
-        });
-        Scored { rows: rows.collect(), prediction: prediction.collect() }
+        let prediction = self.prediction();
+        Scored { rows: rows.collect(), gate: gate::sentence(&prediction), prediction }
     }
 }
 

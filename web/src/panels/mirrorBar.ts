@@ -102,6 +102,10 @@ export class MirrorBar {
     badge.dataset["light"] = twin.light ?? "unknown";
     badge.title = `${twin.says}; ${twin.horizon_s.toFixed(1)} s after it started from the state of the flight. The errors of each axis stand under About…`;
     setText(badge, verdict(twin));
+    const gate = byId("mirror-gate");
+    gate.dataset["light"] = twin.gate_passed === null ? "unknown" : twin.gate_passed ? "valid" : "doubtful";
+    gate.title = `The forecast of the residual, since the last jump: ${twin.gate}`;
+    setText(gate, gateText(twin));
     const head = ["axis", "twin", "twin with residual", "coasting"].map((textContent) => element("th", { textContent }));
     byId("mirror-axes").replaceChildren(row(head), ...cells(twin).map((texts) => row(texts.map((textContent) => element("td", { textContent })))));
   }
@@ -169,6 +173,13 @@ const LIGHTS: Record<NonNullable<TwinInfo["light"]>, string> = { valid: "✓ twi
 /** The validity of the twin in words, so that it never depends on the colour alone. */
 export function verdict(twin: TwinInfo): string {
   return twin.light === null ? "twin: unknown" : LIGHTS[twin.light];
+}
+
+/** The gate of the predictor in words: what it is not better than stands in the bar, the rest in the badge's title. */
+export function gateText(twin: TwinInfo): string {
+  if (twin.gate_passed === null) return "forecast: not scored";
+  if (twin.gate_passed) return "✓ forecast better than persistence and mean";
+  return `≈ forecast ${twin.gate.slice(Math.max(twin.gate.indexOf("not better"), 0))}`;
 }
 
 /** One line per axis with the errors of the twin, of the twin with residual and of coasting against the flight, mm or mrad. */

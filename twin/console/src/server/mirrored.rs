@@ -6,9 +6,11 @@ use std::sync::Arc;
 use crate::server::protocol::{ClientMessage, MirrorInfo, TwinAxis, TwinInfo};
 use twin_core::notation::{COORDINATE_NAMES, TICK_S};
 use twin_foreign::divergence::HORIZONS;
-use twin_foreign::shadow::{GHOST_TICKS, PREDICTOR};
+use twin_foreign::gate;
+use twin_foreign::shadow::GHOST_TICKS;
+use twin_foreign::shadow_score::Score;
 use twin_foreign::{Flyer, Light, Shadow, Twin};
-use twin_foreign::{Live, OpenedFlight};
+use twin_foreign::{Forecaster, Live, OpenedFlight};
 
 /// Number of ticks that a seek flies before its target: the adapter forgets within a second, and the charts show a past.
 const WARM_UP_TICKS: usize = 1000;
@@ -37,13 +39,17 @@ pub(super) struct Mirrored {
 
 impl Mirrored {
     /// The mirror of an opened recording.
-    pub(super) fn new(opened: &OpenedFlight, live: Option<Arc<Live>>) -> Self {
+    pub(super) fn new(
+        opened: &OpenedFlight,
+        live: Option<Arc<Live>>,
+        forecaster: &Forecaster,
+    ) -> Self {
         let live = live.map(|live| {
             let generation = live.generation();
             (live, generation)
         });
         let recorded = &opened.recorded;
-        let shadow = Shadow::of(opened);
+        let shadow = Shadow::of(opened).with(forecaster.clone());
         let flyer = Flyer::new(shadow.playback(), opened, Twin::of(opened));
         let known =
             |row: usize| (0..recorded.instants.len()).any(|t| recorded.residual_counts(t, row));
@@ -64,7 +70,7 @@ impl Mirrored {
                 "where the twin expected the vehicle from what it knew {:.1} s before",
                 GHOST_TICKS as f64 * TICK_S
             ),
-            predictor: PREDICTOR.to_owned(),
+            predictor: forecaster.sentence(),
             force: if opened.per_kilogram() {
                 format!("{force}; the mass is unknown, so forces are per kilogram; {torque}")
             } else {
@@ -85,7 +91,7 @@ impl Mirrored {
         if live.generation() == *generation {
             return None;
         }
-        Some(Self::new(&live.opened()?, Some(Arc::clone(live))))
+        Some(Self::new(&live.opened()?, Some(Arc::clone(live)), self.shadow.forecaster()))
     }
 
     /// True if it mirrors a live stream.
@@ -103,11 +109,12 @@ impl Mirrored {
         self.live.as_ref().map_or_else(Vec::new, |(live, _)| live.news())
     }
 
-    /// Error of the twin near `tick`, half a second after its start.
-    pub(super) fn beside(&self, tick: usize) -> TwinInfo {
+    /// Error of the twin near `tick`, half a second after its start, and how the forecasts of `score` did so far.
+    pub(super) fn beside(&self, tick: usize, score: &Score) -> TwinInfo {
         // The twin starts earlier by the ticks that its delayed commands need, because a live stream has no data after `tick`.
         let start = tick.checked_sub(self.flyer.reach(HORIZONS[1]));
         let misses = start.and_then(|start| self.flyer.half_second(start));
+        let prediction = score.prediction();
         let axis = |(row, miss): (&&str, &twin_foreign::PredictionError)| {
             let (twin, with_residual, coasting) = (miss.twin?, miss.with_residual?, miss.coasting?);
             Some(TwinAxis { row: (*row).to_owned(), twin, with_residual, coasting })
@@ -115,6 +122,8 @@ impl Mirrored {
         TwinInfo {
             says: self.flyer.says().to_owned(),
             horizon_s: HORIZONS[1] as f64 * TICK_S,
+            gate: gate::sentence(&prediction),
+            gate_passed: gate::is_passed(&prediction),
             light: misses.as_ref().and_then(Light::worst),
             axes: misses
                 .iter()

@@ -10,13 +10,15 @@ use crate::server::mirrored::Mirrored;
 use crate::server::pilot::{FirstFlight, PilotOptions};
 use crate::server::running::{Running, Served, watch};
 use crate::server::{AppOrigin, Limits, ServerError, launch};
-use twin_foreign::{Live, OpenedFlight};
+use twin_foreign::{Forecaster, Live, OpenedFlight};
 use twin_record::Outputs;
 
 /// Options for serving a recording.
 pub struct MirrorOptions {
     /// The recording.
     pub opened: OpenedFlight,
+    /// What predicts beside it.
+    pub forecaster: Forecaster,
     /// The live stream, if the flight still goes on.
     pub live: Option<Live>,
     /// Loopback name or address to listen on.
@@ -52,7 +54,8 @@ pub fn serve_mirror(options: MirrorOptions) -> Result<Served, ServerError> {
 /// # Errors
 /// [`ServerError`] if the server cannot start.
 pub fn spawn_mirror(options: MirrorOptions) -> Result<Running, ServerError> {
-    let mirrored = Arc::new(Mirrored::new(&options.opened, options.live.map(Arc::new)));
+    let mirrored =
+        Arc::new(Mirrored::new(&options.opened, options.live.map(Arc::new), &options.forecaster));
     let tuning = *mirrored.shadow.tuning();
     let orders = PilotOptions {
         mission: FirstFlight::Mirror { mirrored, start_s: options.start_s },

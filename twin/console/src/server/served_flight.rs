@@ -16,6 +16,7 @@ use twin_core::notation::TICK_S;
 use twin_core::source::Disturbance;
 use twin_core::tick::Tick;
 use twin_core::tuning::Tuning;
+use twin_foreign::shadow_score::Score;
 use twin_foreign::stand_in;
 use twin_record::scene::Scene;
 use twin_scenario::{BuildError, Judge, Scenario};
@@ -42,6 +43,8 @@ pub(super) struct ServedFlight {
     pub channels: Channels,
     /// The recording, if one is mirrored.
     pub mirrored: Option<Arc<Mirrored>>,
+    /// How its forecasts did since the last jump.
+    pub score: Option<Score>,
     /// Payload, wind and effects in force.
     pub world: World,
     /// Eigenvalues of the adapter's covariance, largest first.
@@ -77,6 +80,7 @@ impl ServedFlight {
                 &flight.predictor().info(),
             ),
             mirrored: None,
+            score: None,
             world: World::new(&scenario.settings),
             spectrum: Vec::new(),
             push_ends: 0,
@@ -111,6 +115,7 @@ impl ServedFlight {
             presets: GainPresets::new(&scenario, flight.tuning()),
             channels: Channels::mirrored(scene.rotors.len(), mirrored.shadow.scale()),
             mirrored: Some(Arc::clone(mirrored)),
+            score: Some(Score::new(*mirrored.shadow.scale())),
             world: World::new(&scenario.settings),
             spectrum: Vec::new(),
             push_ends: 0,
@@ -194,7 +199,10 @@ impl ServedFlight {
         }
         // Before the first tick after a start or a seek there is no tick to compare the twin with.
         let last = self.next_tick.checked_sub(1).filter(|_| self.has_flown);
-        let beside = |tick| Some(Box::new(self.mirrored.as_ref()?.beside(tick as usize)));
+        let beside = |tick| {
+            let mirrored = self.mirrored.as_ref()?;
+            Some(Box::new(mirrored.beside(tick as usize, self.score.as_ref()?)))
+        };
         state.twin = last.and_then(beside);
         state.verdict = verdict;
         state.reason = reason;
@@ -207,6 +215,9 @@ impl ServedFlight {
         self.has_flown = true;
         self.t_s = tick.measurement.t_s;
         self.world.advance(self.t_s);
+        if let Some(score) = &mut self.score {
+            score.add(tick);
+        }
         if tick.index.is_multiple_of(SPECTRUM_TICKS) || tick.adapted.reset {
             self.spectrum = self.flight.covariance_spectrum();
         }

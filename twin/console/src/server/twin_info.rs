@@ -14,6 +14,10 @@ pub struct TwinInfo {
     pub horizon_s: f64,
     /// The worst axis; `null` where force or motion is unknown.
     pub light: Option<Light>,
+    /// Where the forecasts of the flight so far are better than persistence and than the mean, and where not, in words.
+    pub gate: String,
+    /// Whether they are better at every step; `null` without a score.
+    pub gate_passed: Option<bool>,
     /// Axes that are compared.
     pub axes: Vec<TwinAxis>,
 }

@@ -14,7 +14,7 @@ use crate::notation::{Coords, KnownCoords, N};
 use crate::tick::{Adapted, Forecast};
 
 /// Time constant over which errors are remembered, s: a few swings of the vehicle.
-const MEMORY_S: f64 = 2.0;
+pub const MEMORY_S: f64 = 2.0;
 
 /// A forecast is trusted in full up to the error of persistence, and not at all from this multiple of it on.
 const DISTRUSTED_AT: f64 = 1.5;
@@ -45,21 +45,29 @@ struct Waiting {
     measured: KnownCoords,
 }
 
-/// Errors of one kind of forecast, per coordinate.
+/// Errors of one kind of forecast, per coordinate, and the width of the band that follows from them.
 #[derive(Clone, Debug)]
-struct Errors {
+pub struct Errors {
     /// Running mean square, N² and (N m)²; unknown before the first error.
     square: [Option<f64>; N],
     /// Width of the band in units of the root mean square.
     width: Coords,
 }
 
+impl Default for Errors {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl Errors {
-    fn new() -> Self {
+    /// No errors so far.
+    pub fn new() -> Self {
         Self { square: [None; N], width: Coords::repeat(1.0) }
     }
 
-    fn add(&mut self, row: usize, error: f64, forget: f64) {
+    /// Adds the error of coordinate `row`, N or N m; `forget` is the weight of the errors before it.
+    pub fn add(&mut self, row: usize, error: f64, forget: f64) {
         if let Some(square) = self.square[row] {
             let missed = error.abs() > BAND_90 * self.width[row] * square.sqrt();
             let step = WIDTH_STEP * (f64::from(u8::from(missed)) - OUTSIDE);
@@ -70,7 +78,8 @@ impl Errors {
         self.square[row] = Some(square * forget + squared(error) * (1.0 - forget));
     }
 
-    fn std(&self) -> KnownCoords {
+    /// Predictive standard deviation, N and N m: [`BAND_90`] of it hold 90 % of the errors so far.
+    pub fn std(&self) -> KnownCoords {
         let rows = std::array::from_fn(|row| self.square[row].map(|s| s.sqrt() * self.width[row]));
         KnownCoords::from_rows(&rows)
     }

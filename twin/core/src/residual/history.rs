@@ -4,7 +4,7 @@
 
 use std::collections::VecDeque;
 
-use crate::notation::Coords;
+use crate::notation::{Coords, KnownMask, N};
 
 /// One tick of history.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,6 +17,8 @@ pub struct Entry {
     pub tau_previous: Coords,
     /// Residual of the previous tick, `r_{t-1}`.
     pub residual_previous: Coords,
+    /// The coordinates whose residual of the previous tick was known; a stand-in is in the others.
+    pub known_previous: KnownMask,
 }
 
 /// A window of bounded length; the newest entry is last.
@@ -24,7 +26,7 @@ pub struct Entry {
 pub struct History {
     entries: VecDeque<Entry>,
     capacity: usize,
-    last: Option<(Coords, Coords)>,
+    last: Option<(Coords, Coords, KnownMask)>,
 }
 
 impl History {
@@ -33,14 +35,33 @@ impl History {
         Self { entries: VecDeque::with_capacity(capacity), capacity: capacity.max(1), last: None }
     }
 
-    /// Appends tick `t`; its `tau` and `residual` become visible at `t + 1`.
+    /// Appends tick `t`, whose residual is known in every coordinate; its `tau` and `residual` become visible at `t + 1`.
     pub fn push(&mut self, chi: Coords, chi_dot: Coords, tau: Coords, residual: Coords) {
-        let (tau_previous, residual_previous) = self.last.unwrap_or((tau, residual));
+        self.push_masked(chi, chi_dot, tau, residual, [true; N]);
+    }
+
+    /// Appends tick `t`, whose residual is a stand-in in the coordinates that are not `known`.
+    pub fn push_masked(
+        &mut self,
+        chi: Coords,
+        chi_dot: Coords,
+        tau: Coords,
+        residual: Coords,
+        known: KnownMask,
+    ) {
+        let (tau_previous, residual_previous, known_previous) =
+            self.last.unwrap_or((tau, residual, known));
         if self.entries.len() == self.capacity {
             self.entries.pop_front();
         }
-        self.entries.push_back(Entry { chi, chi_dot, tau_previous, residual_previous });
-        self.last = Some((tau, residual));
+        self.entries.push_back(Entry {
+            chi,
+            chi_dot,
+            tau_previous,
+            residual_previous,
+            known_previous,
+        });
+        self.last = Some((tau, residual, known));
     }
 
     /// The newest entry.
@@ -81,5 +102,16 @@ mod tests {
             (newest.chi[0], newest.tau_previous[0], newest.residual_previous[0]),
             (4.0, 30.0, 300.0)
         );
+    }
+    #[test]
+    fn the_mask_of_a_residual_becomes_visible_with_it() {
+        let mut history = History::new(3);
+        let (zeros, mut known) = (Coords::zeros(), [true; N]);
+        known[4] = false;
+        history.push_masked(zeros, zeros, zeros, zeros, known);
+        history.push(zeros, zeros, zeros, zeros);
+        assert_eq!(history.newest().unwrap().known_previous, known);
+        history.push(zeros, zeros, zeros, zeros);
+        assert_eq!(history.newest().unwrap().known_previous, [true; N]);
     }
 }

@@ -7,6 +7,8 @@ pub mod label;
 pub mod history;
 pub mod random_features;
 pub mod arx;
+mod arx_row;
+pub mod arx_rows;
 pub mod horizon;
 pub mod lra;
 pub mod foresight;
@@ -30,6 +32,7 @@ use crate::tick::Forecast;
 use nn::kernels::Kernel;
 
 pub use arx::ArxRls;
+pub use arx_rows::ArxRows;
 pub use extrapolated::Extrapolated;
 pub use failing::Failing;
 pub use fdt::Fdt;
