@@ -87,13 +87,13 @@ mod tests {
     use crate::notation::KnownCoords;
 
     fn residual(tick: usize) -> Coords {
-        Coords::from_fn(|row, _| 1.0 + cos(tick as f64 * (0.03 + 0.004 * row as f64)))
+        Coords::from_fn(|row, _| 1.0 + cos(tick as f64 * (0.02 + 0.003 * row as f64)))
     }
 
     #[test]
     fn it_starts_as_persistence_and_learns_a_wave_of_each_known_coordinate() {
-        // The line between knots 9 ticks apart misses a wave of at most 0.058 rad a tick by (9 / 2)² / 2 · 0.058² = 0.034; the bound on
-        // the shrinkage and on the running mean leave as much again.
+        // The line between knots 9 ticks apart misses a wave of at most 0.041 rad a tick by (9 / 2)² / 2 · 0.041² = 0.017; the shrinkage
+        // and the running mean, which forget nothing, leave a few times as much.
         const TOLERANCE: f64 = 0.1;
         const TICKS_FLOWN: usize = 4000;
         const UNKNOWN: usize = 3;

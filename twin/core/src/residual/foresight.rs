@@ -86,24 +86,13 @@ impl Errors {
 }
 
 /// The state of the foresight.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Foresight {
     waiting: VecDeque<Waiting>,
     at_lead: Errors,
     now: Errors,
     /// Mean squares of persistence over the same lead.
     persistence: Errors,
-}
-
-impl Default for Foresight {
-    fn default() -> Self {
-        Self {
-            waiting: VecDeque::new(),
-            at_lead: Errors::new(),
-            now: Errors::new(),
-            persistence: Errors::new(),
-        }
-    }
 }
 
 impl Foresight {
