@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use twin_foreign::{OpenedFlight, ShadowReport};
+use twin_foreign::{Effort, OpenedFlight, ShadowReport};
 
 /// What was found, as one JSON object.
 pub(super) fn json(opened: &OpenedFlight, report: &ShadowReport) -> serde_json::Value {
@@ -26,9 +26,23 @@ pub(super) fn json(opened: &OpenedFlight, report: &ShadowReport) -> serde_json::
         "joints": signals.joints.as_ref().map(|(names, _)| names),
         "notes": signals.notes,
         "effort": recorded.effort,
+        "fit": fit(opened),
+        "phases": recorded.spans,
         "acceleration": { "translation": recorded.acceleration[0], "rotation": recorded.acceleration[1] },
         "shadow": report,
     })
+}
+
+/// Whether the thrust explains the motion; `null` without a fit.
+fn fit(opened: &OpenedFlight) -> serde_json::Value {
+    match &opened.recorded.effort {
+        Effort::Wrench { fit: Some(fit) } | Effort::Fitted { fit, .. } => serde_json::json!({
+            "r2": fit.r2,
+            "explains": fit.explains(),
+            "verdict": fit.verdict(),
+        }),
+        _ => serde_json::Value::Null,
+    }
 }
 
 pub(super) fn print_report(
@@ -69,6 +83,10 @@ pub(super) fn print_report(
     )?;
     writeln!(out, "  {}", opened.force_sentence())?;
     writeln!(out, "  {}", opened.torque_sentence())?;
+    for span in &recorded.spans {
+        let (from_s, to_s, phase) = (span.from_s, span.to_s, span.phase.words());
+        writeln!(out, "  {from_s:7.2} to {to_s:7.2} s {phase}: {}", span.why)?;
+    }
     print_shadow(out, report)
 }
 

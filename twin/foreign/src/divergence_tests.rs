@@ -43,7 +43,8 @@ fn flight(overstated: f64, torque: bool, delay_s: f64) -> RecordedFlight {
         effort: Effort::Recorded,
         mass_kg: MASS_KG,
         acceleration: [Derivation::MeasuredRate; 2],
-        airborne_above: 0.0,
+        spans: Vec::new(),
+        yardsticks: crate::phases::Yardsticks::default(),
         nominal_inertia: None,
         joint_names: Vec::new(),
     }

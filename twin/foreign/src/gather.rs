@@ -191,11 +191,13 @@ impl<M: Deref<Target = Map>> MessageDecoder<M> {
         if unwanted || known {
             return;
         }
-        let name = self.schemas.get(channel.schema_id).map_or("", |schema| &schema.header.name);
-        let Some((rank, rule)) = self.map.rule(&channel.topic, name) else { return };
-        // Further instances of a ULog topic appear in the survey, but are not decoded.
-        let first = channel.metadata.get("instance").is_none_or(|instance| instance == "0");
-        if rule.gives.is_empty() || !first {
+        let schema = self.schemas.get(channel.schema_id);
+        let name = schema.map_or("", |schema| &schema.header.name);
+        let definition = schema.and_then(|schema| schema.text.as_deref().ok()).unwrap_or_default();
+        let Some((rank, rule)) = self.map.rule_for(&channel.topic, name, definition) else {
+            return;
+        };
+        if rule.gives.is_empty() {
             return;
         }
         let form = self.forms.of(&self.schemas, channel);

@@ -277,11 +277,17 @@ impl OpenedFlight {
     pub fn force_sentence(&self) -> String {
         match &self.recorded.effort {
             Effort::Wrench { fit: None } => "force from the wrench in the log".to_owned(),
-            Effort::Wrench { fit: Some(fit) } => format!(
-                "force from the wrench in the log; the mass that fits is {:.3} kg, lag {:.2} s, R2 {:.3}",
+            Effort::Wrench { fit: Some(fit) } if fit.explains() => format!(
+                "force from the wrench in the log; the mass that fits is {:.3} kg, lag {:.2} s, R2 {:.3}, {}",
                 1.0 / fit.gain,
                 fit.lag_s,
-                fit.r2
+                fit.r2,
+                fit.verdict()
+            ),
+            Effort::Wrench { fit: Some(fit) } => format!(
+                "force from the wrench in the log; no mass fits it (R2 {:.3}): {}",
+                fit.r2,
+                fit.verdict()
             ),
             Effort::Fitted { input, fit, .. } => {
                 format!("force from {input:?}: {}", fit.sentence())

@@ -45,7 +45,8 @@ impl PartReader for Turning {
             airborne: vec![true; to - from],
             nominal_inertia: None,
             acceleration: [Derivation::Unknown; 2],
-            airborne_above: 0.0,
+            spans: Vec::new(),
+            yardsticks: crate::phases::Yardsticks::default(),
             joint_names: Vec::new(),
         }
     }

@@ -10,9 +10,10 @@ use std::ops::Range;
 use nalgebra::{Vector2, Vector3};
 
 pub use super::derivation::Derivation;
-use super::effort::{Effort, Settled, effort};
+use super::effort::{Effort, Moved, Settled, along_z, effort, least_thrust};
 use super::grid::{Ticks, curvature, filtered, filtered_times, slope};
 use super::inertial;
+use super::phases::{Evidence, Phase, Span, Yardsticks, spans};
 use super::signals::Signals;
 use super::topics::VehicleFacts;
 use twin_core::notation::{
@@ -50,14 +51,16 @@ pub struct RecordedFlight {
     pub effort: Effort,
     /// Mass in use, kg: as given; else the mass that fits the wrench; else 1.
     pub mass_kg: f64,
-    /// Whether the vehicle is airborne, per tick, judged by its thrust.
+    /// Whether the vehicle is in the air, per tick: the phase [`Phase::Air`].
     pub airborne: Vec<bool>,
     /// The nominal inertia `M_bar` that forms the residual, kg and kg m²; `None` for the known mass and inertia.
     pub nominal_inertia: Option<Coords>,
     /// Sources of the translational and the rotational acceleration.
     pub acceleration: [Derivation; 2],
-    /// Thrust above which the vehicle counts as airborne, in the unit of the thrust.
-    pub airborne_above: f64,
+    /// Phases of the flight, in order of time; none in a recording of this program.
+    pub spans: Vec<Span>,
+    /// What the flight says about its phases.
+    pub yardsticks: Yardsticks,
     /// Names of the joints behind the coordinates q1 and q2, if the recording has joints.
     pub joint_names: Vec<String>,
 }
@@ -131,11 +134,14 @@ pub(super) fn on_times(
     arm(signals, &times_s, &mut instants);
     let mass_kg = settled.map_or_else(|| facts.mass_kg.unwrap_or(1.0), |settled| settled.mass_kg);
     let passes = of_translation.passes();
-    let found = effort(signals, &times_s, &eta, &acceleration, passes, mass_kg, settled);
+    let phases = phases(signals, &times_s, &eta, &instants, (mass_kg, settled));
+    let airborne = phases.airborne;
+    let moved = Moved { eta: &eta, acceleration: &acceleration, passes, airborne: &airborne };
+    let found = effort(signals, &times_s, &moved, mass_kg, settled);
     let mut effort = found.effort;
     // If the force is a wrench in N and no mass is given, the mass is fitted to the flight.
     let mass_kg = match (&effort, facts.mass_kg) {
-        (Effort::Wrench { fit: Some(fit) }, None) if fit.gain > 0.0 => 1.0 / fit.gain,
+        (Effort::Wrench { fit: Some(fit) }, None) if fit.explains() => 1.0 / fit.gain,
         _ => mass_kg,
     };
     let torque: Ticks<3> = match (&mut effort, &signals.torque) {
@@ -143,7 +149,7 @@ pub(super) fn on_times(
             times_s.iter().map(|t| torque.linear(*t)).collect()
         }
         (Effort::Fitted { torque, .. }, _) => {
-            let flown = (times_s.as_slice(), &eta, found.airborne.as_slice());
+            let flown = (times_s.as_slice(), &eta, airborne.as_slice());
             let (gains, moments) =
                 super::torque::torque(signals, flown, of_rotation, facts.inertia_kg_m2, settled);
             **torque = gains;
@@ -170,12 +176,49 @@ pub(super) fn on_times(
         instants,
         effort,
         mass_kg,
-        airborne: found.airborne,
+        airborne,
+        spans: phases.spans,
+        yardsticks: phases.yardsticks,
         nominal_inertia: None,
         acceleration,
-        airborne_above: found.threshold,
         joint_names: joints.take(ARM_ROWS).cloned().collect(),
     }
+}
+
+/// The phases of a flight.
+struct Phases {
+    airborne: Vec<bool>,
+    spans: Vec<Span>,
+    yardsticks: Yardsticks,
+}
+
+fn phases(
+    signals: &Signals,
+    times_s: &[f64],
+    eta: &Ticks<3>,
+    instants: &[RecordedTick],
+    (mass_kg, settled): (f64, Option<&Settled>),
+) -> Phases {
+    let thrust = along_z(signals, times_s);
+    let evidence = Evidence {
+        times_s,
+        thrust: thrust.as_ref(),
+        position: &positions(instants),
+        eta,
+        landed: signals.landed.as_ref(),
+        armed: signals.armed.as_ref(),
+    };
+    let least = least_thrust(signals, mass_kg);
+    let yardsticks = settled.map_or_else(|| evidence.yardsticks(least), |s| s.yardsticks);
+    let judged = evidence.judge(&yardsticks);
+    let airborne = judged.iter().map(|(phase, _)| *phase == Phase::Air).collect();
+    Phases { airborne, spans: spans(times_s, &judged), yardsticks }
+}
+
+/// The position of each tick; unknown if one of its coordinates is.
+fn positions(instants: &[RecordedTick]) -> Ticks<3> {
+    let place = |i: &RecordedTick| Some(Vector3::new(i.chi[0]?, i.chi[1]?, i.chi[2]?));
+    instants.iter().map(place).collect()
 }
 
 /// Applies `f` to attitude and value at each tick where both are known.
@@ -310,7 +353,10 @@ impl RecordedFlight {
 
     /// True if the mass is neither given nor found by a fit; forces are then per kilogram.
     pub fn per_kilogram(&self, facts: &VehicleFacts) -> bool {
-        let known = matches!(self.effort, Effort::Wrench { fit: Some(_) } | Effort::Recorded);
+        let known = match &self.effort {
+            Effort::Wrench { fit: Some(fit) } => fit.explains(),
+            effort => *effort == Effort::Recorded,
+        };
         facts.mass_kg.is_none() && !known
     }
 

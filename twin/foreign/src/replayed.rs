@@ -5,6 +5,7 @@ use std::path::Path;
 use serde::{Deserialize, Deserializer};
 
 use super::effort::Effort;
+use super::phases::Yardsticks;
 use super::recorded::{ARM_ROWS, Derivation, RecordedFlight, RecordedTick};
 use twin_core::notation::{COORDINATE_NAMES, Coords, KnownCoords, N};
 use twin_core::tick::Measurement;
@@ -41,7 +42,8 @@ pub(super) fn as_recorded(
         effort: Effort::Recorded,
         mass_kg: nominal_inertia.map_or(1.0, |inertia| inertia[0]),
         acceleration: [Derivation::Recorded; 2],
-        airborne_above: 0.0,
+        spans: Vec::new(),
+        yardsticks: Yardsticks::default(),
         nominal_inertia,
         joint_names,
     }

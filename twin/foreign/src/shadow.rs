@@ -33,7 +33,7 @@ pub const GHOST_TICKS: usize = 50;
 
 /// Texts of the events when the residual becomes known and when it becomes unknown.
 const MIRRORED: &str = "in the air: residual known, the twin predicts and adapts in shadow";
-const UNKNOWN: &str = "on the ground, or force or motion unknown: the twin holds";
+const UNKNOWN: &str = "on the ground, or force or motion unknown: the adapter is frozen";
 
 /// Corner of the low-pass on the residual, Hz. The ghost assumes that the filtered residual stays constant.
 const GHOST_CORNER_HZ: f64 = 0.5;

@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::attitude::{attitude_of, tilt_at_rest, unwrapped, vector};
 use super::clock::{Clock, Timebase, common_ns, timebases};
+use super::flags::Flags;
 use super::frames;
 use super::gather::{Gathered, Track};
 use super::series::{Attitudes, Series, Timing};
@@ -65,6 +66,10 @@ pub struct Signals {
     pub attitude_setpoint: Option<Series<3>>,
     /// Battery voltage, V.
     pub battery: Option<Series<1>>,
+    /// Whether the autopilot detects that it stands on the ground.
+    pub landed: Option<Flags>,
+    /// Whether the motors are armed.
+    pub armed: Option<Flags>,
     /// The sources in use.
     pub used: Vec<Used>,
     /// Sources that were found and not used, and the reason.
@@ -136,6 +141,8 @@ impl Chooser<'_> {
         self.rates();
         self.joints();
         self.effort();
+        self.signals.landed = self.flags(Quantity::Landed);
+        self.signals.armed = self.flags(Quantity::Armed);
         self.signals
     }
 
@@ -204,6 +211,9 @@ impl Chooser<'_> {
                 | Quantity::Collective
                 | Quantity::Joints
                 | Quantity::Battery
+                | Quantity::Landed
+                | Quantity::Armed
+                | Quantity::Resets
         );
         if commanded { Series::new(samples) } else { Series::measured(samples) }
     }
@@ -311,6 +321,14 @@ impl Chooser<'_> {
         });
         self.note_use(number, series.timing_read(self.unread_s));
         self.signals.joints = Some((self.tracks[number].names.clone(), series));
+    }
+
+    fn flags(&mut self, wanted: Quantity) -> Option<Flags> {
+        let number = self.best(wanted)?;
+        let flags = Flags::new(self.times(number).map(|(t_s, values)| (t_s, first(values))));
+        let series: Series<1> = self.series(number, |_, v| SVector::from([first(v)]));
+        self.note_use(number, series.timing());
+        Some(flags)
     }
 
     fn effort(&mut self) {

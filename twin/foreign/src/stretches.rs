@@ -93,7 +93,7 @@ pub(super) fn judge(mut index: Index, map: &Map) -> Result<(JudgedFlight, Findin
     let settled = Settled {
         effort: recorded.effort.clone(),
         mass_kg: recorded.mass_kg,
-        threshold: recorded.airborne_above,
+        yardsticks: recorded.yardsticks,
     };
     signals.notes.push(format!(
         "the flight lasts {:.0} s: only the part around the playhead is read, and topics, gains and scales are judged by {STRETCHES} stretches of {STRETCH_S:.0} s",

@@ -24,7 +24,7 @@ pub(super) const BLOCK_TICKS: usize = 200;
 /// Fewest airborne ticks for a fit.
 const FEWEST_TICKS: usize = 200;
 
-/// The vehicle is airborne where the thrust exceeds this share of its 90 % quantile.
+/// The vehicle may fly where the thrust exceeds this share of its 90 % quantile.
 pub(super) const AIRBORNE_SHARE: f64 = 0.5;
 
 /// The gain of the thrust, fitted to one flight.
@@ -48,18 +48,41 @@ pub struct ThrustFit {
     pub ticks: usize,
 }
 
+/// Share of the variance above which a fit is good: then most of the motion follows from the thrust.
+const GOOD_R2: f64 = 0.5;
+
+/// Share of the variance above which a fit explains the motion at all: a mean without any thrust has 0.
+const LEAST_R2: f64 = 0.1;
+
 impl ThrustFit {
-    /// Gain, uncertainty and lag in words.
+    /// Whether the thrust explains the motion. If not, the gain only says which mean thrust carries the weight.
+    pub fn explains(&self) -> bool {
+        self.gain > 0.0 && self.r2 >= LEAST_R2
+    }
+
+    /// What the fit is worth, in words.
+    pub fn verdict(&self) -> &'static str {
+        match self.r2 {
+            _ if !self.explains() => {
+                "the thrust does not explain the motion; the gain is only that of the mean thrust"
+            }
+            r2 if r2 >= GOOD_R2 => "good",
+            _ => "weak",
+        }
+    }
+
+    /// Gain, uncertainty, lag and verdict in words.
     pub fn sentence(&self) -> String {
         format!(
-            "{:.3} +- {:.3} m/s2 per unit ({:.3} then {:.3}), lag {:.2} s, R2 {:.3}, {} ticks",
+            "{:.3} +- {:.3} m/s2 per unit ({:.3} then {:.3}), lag {:.2} s, R2 {:.3}, {} ticks: {}",
             self.gain,
             self.standard_error,
             self.gain_first_half,
             self.gain_second_half,
             self.lag_s,
             self.r2,
-            self.ticks
+            self.ticks,
+            self.verdict()
         )
     }
 }
@@ -77,7 +100,7 @@ pub(super) fn high(thrust: &Series<1>) -> f64 {
 }
 
 /// Fits `specific_force` (m/s² along the body's z axis, which has passed `H` `passes` times) to the thrust. A vehicle with less
-/// thrust than `least` does not fly.
+/// thrust than `least` does not fly, and only ticks in the air count.
 ///
 /// # Errors
 /// A sentence that says why the fit is impossible.
@@ -86,7 +109,7 @@ pub(super) fn fit(
     times_s: &[f64],
     specific_force: &[Option<f64>],
     passes: usize,
-    least: f64,
+    (least, airborne): (f64, &[bool]),
 ) -> Result<ThrustFit, String> {
     let high = high(thrust);
     if high < least {
@@ -97,7 +120,7 @@ pub(super) fn fit(
     let candidates = (0..=LONGEST_LAG_TICKS).map(|lag| {
         let lag_s = lag as f64 * TICK_S;
         let input = filtered_times(&delayed(thrust, times_s, lag_s), passes);
-        let pairs = pairs(&input, specific_force, high * AIRBORNE_SHARE);
+        let pairs = pairs(&input, specific_force, airborne);
         (lag_s, pairs)
     });
     let scored: Vec<_> =
@@ -128,13 +151,13 @@ pub(super) fn fit(
     })
 }
 
-fn pairs(input: &[Option<Vector1<f64>>], force: &[Option<f64>], least: f64) -> Vec<(f64, f64)> {
-    input
-        .iter()
-        .zip(force)
-        .filter_map(|(u, y)| Some((u.as_ref()?.x, (*y)?)))
-        .filter(|(u, _)| *u > least)
-        .collect()
+fn pairs(
+    input: &[Option<Vector1<f64>>],
+    force: &[Option<f64>],
+    airborne: &[bool],
+) -> Vec<(f64, f64)> {
+    let flown = input.iter().zip(force).zip(airborne).filter(|(_, flies)| **flies);
+    flown.filter_map(|((u, y), _)| Some((u.as_ref()?.x, (*y)?))).collect()
 }
 
 fn gain(pairs: &[(f64, f64)]) -> f64 {
@@ -188,7 +211,7 @@ mod tests {
             .collect();
         let force: Vec<Option<f64>> =
             filtered_times(&raw, 1).into_iter().map(|v| v.map(|v| v.x)).collect();
-        let found = fit(&thrust, &times, &force, 1, 0.05).unwrap();
+        let found = fit(&thrust, &times, &force, 1, (0.05, &[true; 3000])).unwrap();
         assert!((found.lag_s - lag_s).abs() < 1e-9, "{found:?}");
         assert!((found.gain - gain).abs() < 4.0 * found.standard_error.max(0.005), "{found:?}");
         assert!(found.standard_error < 0.05 && found.r2 > 0.9, "{found:?}");
@@ -201,7 +224,10 @@ mod tests {
         // Rounding errors: their minimum lies at a meaningless lag.
         let force: Vec<Option<f64>> =
             times.iter().map(|t| Some(9.81 + 1e-5 * sin(7.0 * t))).collect();
-        assert_eq!(fit(&thrust, &times, &force, 1, 0.05).unwrap().lag_s.to_bits(), 0);
+        assert_eq!(
+            fit(&thrust, &times, &force, 1, (0.05, &[true; 3000])).unwrap().lag_s.to_bits(),
+            0
+        );
     }
 
     #[test]
@@ -209,7 +235,7 @@ mod tests {
         let times: Vec<f64> = (0..3000).map(|i| f64::from(i) * TICK_S).collect();
         let thrust = Series::new(times.iter().map(|t| (*t, Vector1::new(0.002))));
         let force = vec![Some(9.81); 3000];
-        let why = fit(&thrust, &times, &force, 1, 0.05).unwrap_err();
+        let why = fit(&thrust, &times, &force, 1, (0.05, &[true; 3000])).unwrap_err();
         assert!(why.contains("not flying"), "{why}");
     }
 }

@@ -66,6 +66,9 @@ pub struct Rule {
     /// Pattern of the schema, such as `nav_msgs/msg/Odometry` [default: any].
     #[serde(default = "any")]
     pub schema: String,
+    /// A field that the definition of the message must name, for messages whose fields changed under one name [default: any].
+    #[serde(default)]
+    pub has: String,
     /// Axes of the world.
     #[serde(default)]
     pub world: World,
@@ -167,6 +170,12 @@ pub enum Quantity {
     Joints,
     /// Battery voltage, V, 1.
     Battery,
+    /// 1 where the autopilot detects that it stands on the ground, else 0, 1.
+    Landed,
+    /// 1 where the motors are armed, else 0, 1.
+    Armed,
+    /// Number of times that the estimator set its state anew, 1.
+    Resets,
 }
 
 impl Quantity {
@@ -174,7 +183,7 @@ impl Quantity {
     pub fn width(self) -> Option<usize> {
         match self {
             Self::Quaternion | Self::AttitudeSetpoint => Some(4),
-            Self::Collective | Self::Battery => Some(1),
+            Self::Collective | Self::Battery | Self::Landed | Self::Armed | Self::Resets => Some(1),
             Self::Motors | Self::Joints => None,
             _ => Some(3),
         }
@@ -316,15 +325,24 @@ impl Map {
         SHIPPED_MAPS.iter().find(|(known, _)| *known == name).map(|(_, map)| map.clone())
     }
 
-    /// The first rule that matches a channel, with its index.
+    /// The first rule that matches a channel, with its index, whatever its definition says.
     pub fn rule(&self, topic: &str, schema: &str) -> Option<(usize, &Rule)> {
-        self.topic.iter().enumerate().find(|(_, rule)| {
-            glob(&rule.topic, topic) && glob(&short(&rule.schema), &short(schema))
-        })
+        self.topic.iter().enumerate().find(|(_, rule)| rule.fits(topic, schema))
+    }
+
+    /// The first rule that matches a channel whose messages have this `definition`, with its index.
+    pub fn rule_for(&self, topic: &str, schema: &str, definition: &[u8]) -> Option<(usize, &Rule)> {
+        let named = |rule: &Rule| rule.has.is_empty() || names(definition, &rule.has);
+        let fits = |rule: &Rule| rule.fits(topic, schema) && named(rule);
+        self.topic.iter().enumerate().find(|(_, rule)| fits(rule))
     }
 }
 
 impl Rule {
+    fn fits(&self, topic: &str, schema: &str) -> bool {
+        glob(&self.topic, topic) && glob(&short(&self.schema), &short(schema))
+    }
+
     fn check(&self) -> Result<(), String> {
         match &self.time {
             TimeSource::Log => {}
@@ -374,6 +392,12 @@ impl Fields {
             _ => Ok(()),
         }
     }
+}
+
+/// Whether `definition` contains the word `field`.
+fn names(definition: &[u8], field: &str) -> bool {
+    let letter = |byte: &u8| byte.is_ascii_alphanumeric() || *byte == b'_';
+    definition.split(|byte| !letter(byte)).any(|word| word == field.as_bytes())
 }
 
 /// Whether `text` matches `pattern`, in which `*` stands for any part.

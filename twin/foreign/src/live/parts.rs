@@ -41,7 +41,7 @@ pub(super) fn opened(shared: &Arc<Shared>) -> Option<OpenedFlight> {
         settled: Settled {
             effort: opened.recorded.effort.clone(),
             mass_kg: opened.recorded.mass_kg,
-            threshold: opened.recorded.airborne_above,
+            yardsticks: opened.recorded.yardsticks,
         },
         map: opened.map.clone(),
     };
