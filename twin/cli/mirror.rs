@@ -59,6 +59,9 @@ pub(super) struct MirrorArgs {
     /// Which messages mean what: a TOML file, or a shipped map (`acsl_x8`, `crazyflie`, `px4_arm`) [default: recognised].
     #[arg(long, value_name = "TOPICS.toml")]
     map: Option<String>,
+    /// Namespace of the vehicle to mirror, such as `/px4_1`, if the recording has several [default: the one that flies].
+    #[arg(long, value_name = "/NAMESPACE", conflicts_with = "follow")]
+    vehicle: Option<String>,
     /// Trained weights that predict, from `twin train`; they serve a vehicle only if they were trained on its flights [default: an
     /// autoregression that learns in flight].
     #[arg(long, value_name = "FILE.weights")]
@@ -258,7 +261,8 @@ fn open(args: &MirrorArgs) -> anyhow::Result<OpenedFlight> {
             .unwrap_or_else(|_| ProgressStyle::default_bar()),
     );
     bar.set_message("read whole, because it has no index of chunks");
-    let opened = OpenedFlight::open_watched(&args.file, args.map.as_deref(), &mut |read, of| {
+    let (map, vehicle) = (args.map.as_deref(), args.vehicle.as_deref());
+    let opened = OpenedFlight::open_vehicle(&args.file, map, vehicle, &mut |read, of| {
         bar.set_length(of);
         bar.set_position(read);
     });

@@ -23,6 +23,7 @@ pub(super) fn json(opened: &OpenedFlight, report: &ShadowReport) -> serde_json::
         "ambiguous_schemas": survey.ambiguous_schemas,
         "empty_channels": empty,
         "used": signals.used,
+        "vehicles": opened.vehicles,
         "joints": signals.joints.as_ref().map(|(names, _)| names),
         "notes": signals.notes,
         "effort": recorded.effort,
@@ -128,6 +129,6 @@ fn print_shadow(out: &mut dyn Write, report: &ShadowReport) -> io::Result<()> {
             text(horizon.mean_rmse_z),
         )?;
     }
-    writeln!(out, "  gate: {}", report.scored.gate)?;
+    writeln!(out, "  gate: {}", report.gate)?;
     Ok(())
 }

@@ -49,6 +49,13 @@ pub struct Track {
 }
 
 impl Track {
+    /// Whether any number is finite and not zero. Flags are alive at any value.
+    pub(super) fn is_alive(&self) -> bool {
+        let flag = matches!(self.quantity, Quantity::Landed | Quantity::Armed | Quantity::Resets);
+        let moves = |v: &f64| v.is_finite() && *v != 0.0;
+        flag || self.samples.iter().any(|sample| sample.values.iter().any(moves))
+    }
+
     /// A copy of the track without its samples.
     pub(super) fn bare(&self) -> Self {
         work::steps(1);

@@ -4,19 +4,21 @@ use std::io::{Read, Seek};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use super::clock::mend;
 use super::container::ContainerError;
 use super::effort::Effort;
 use super::gather::gather_from;
 use super::index::Index;
 use super::own_parts::OwnParts;
 use super::playback::PartReader;
-use super::recorded::{MirrorError, RecordedFlight, on_ticks};
+use super::recorded::{LONGEST_S, MirrorError, RecordedFlight, on_ticks};
 use super::replayed::replayed;
 use super::signals::{Signals, signals};
 use super::stretches::{LONG_S, judge};
 use super::survey::Survey;
 use super::table::Input;
 use super::topics::{Map, MapError, SHIPPED};
+use super::vehicles::{self, VehicleFound};
 use twin_input::budget::SETTINGS_BYTES;
 use twin_input::{Asking, InputError, Reader, file};
 use twin_record::recording::{RecordingError, TICK_TOPIC};
@@ -44,6 +46,8 @@ pub struct OpenedFlight {
     pub map_name: String,
     /// The sources in use and their samples.
     pub signals: Signals,
+    /// The vehicles in the recording, if their topics tell them apart.
+    pub vehicles: Vec<VehicleFound>,
     /// The flight; for a long flight only stretches of it.
     pub recorded: RecordedFlight,
     /// The whole of a long flight, which is read while it is played.
@@ -158,9 +162,10 @@ impl Read for ProgressReader<'_> {
     }
 }
 
-/// Whether the flight is too long to be read whole.
+/// Whether the flight is too long to be read whole. A span beyond [`LONGEST_S`] comes from a damaged time, which only reading mends.
 fn is_long(index: &Index) -> bool {
-    index.span_ns().is_some_and(|(first, last)| (last - first) as f64 * 1e-9 > LONG_S)
+    let span_s = index.span_ns().map(|(first, last)| (last - first) as f64 * 1e-9);
+    span_s.is_some_and(|span_s| span_s > LONG_S && span_s <= LONGEST_S)
 }
 
 impl OpenedFlight {
@@ -183,11 +188,24 @@ impl OpenedFlight {
         map: Option<&str>,
         on: &mut dyn FnMut(u64, u64),
     ) -> Result<Self, OpenError> {
+        Self::open_vehicle(path, map, None, on)
+    }
+
+    /// Opens `path` as [`Self::open_watched`] does; `vehicle` is the namespace of the vehicle to mirror, if the recording has several.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn open_vehicle(
+        path: &Path,
+        map: Option<&str>,
+        vehicle: Option<&str>,
+        on: &mut dyn FnMut(u64, u64),
+    ) -> Result<Self, OpenError> {
         // Errors are dropped here, because the reader of the whole file meets and reports them again.
         let input = file::open(path).ok().map(|file| Box::new(Asking::new(file)) as Box<dyn Input>);
-        match input.map_or(Ok(None), |input| Self::open_long(path, map, input))? {
+        match input.map_or(Ok(None), |input| Self::read_long(path, map, vehicle, input))? {
             Some(long) => Ok(long),
-            None => Self::read_whole(path, map, on),
+            None => Self::read_whole(path, map, vehicle, on),
         }
     }
 
@@ -200,9 +218,19 @@ impl OpenedFlight {
         map: Option<&str>,
         input: Box<dyn Input>,
     ) -> Result<Option<Self>, OpenError> {
+        Self::read_long(path, map, None, input)
+    }
+
+    fn read_long(
+        path: &Path,
+        map: Option<&str>,
+        vehicle: Option<&str>,
+        input: Box<dyn Input>,
+    ) -> Result<Option<Self>, OpenError> {
         let Some(index) = Index::new(input).ok().flatten().filter(is_long) else { return Ok(None) };
         let mut survey = Survey::of_index(&index);
-        let (map, map_name) = choose_map(map, survey.family)?;
+        let (mut map, map_name) = choose_map(map, survey.family)?;
+        map.vehicle.namespace = vehicle.map(str::to_owned).or(map.vehicle.namespace);
         survey.mark(&map);
         let path = path.to_owned();
         if survey.has(TICK_TOPIC) {
@@ -212,16 +240,28 @@ impl OpenedFlight {
             survey.container = parts.findings().clone();
             let (map_name, long) =
                 ("twin".to_owned(), Some(Arc::new(parts) as Arc<dyn PartReader>));
-            return Ok(Some(Self { path, survey, map, map_name, signals, recorded, long }));
+            return Ok(Some(Self {
+                path,
+                survey,
+                map,
+                map_name,
+                signals,
+                vehicles: Vec::new(),
+                recorded,
+                long,
+            }));
         }
         let topics = survey.topics(SHOWN_TOPICS);
         match judge(index, &map) {
             Ok((judged, findings)) => {
                 survey.container = findings;
-                let (signals, recorded) = (judged.signals, judged.recorded);
+                let (signals, recorded, vehicles) =
+                    (judged.signals, judged.recorded, judged.vehicles);
                 let long = Some(Arc::new(judged.parts) as Arc<dyn PartReader>);
-                Ok(Some(Self { path, survey, map, map_name, signals, recorded, long }))
+                Ok(Some(Self { path, survey, map, map_name, signals, vehicles, recorded, long }))
             }
+            // The pose lasts for a part of the recording only; where it is, only reading tells.
+            Err(MirrorError::NoPose) => Ok(None),
             Err(why) => Err(OpenError::Mirror { path, why, topics }),
         }
     }
@@ -231,36 +271,51 @@ impl OpenedFlight {
     /// # Errors
     /// [`OpenError`] if the file cannot be read, or contains no pose.
     pub fn open_whole(path: &Path, map: Option<&str>) -> Result<Self, OpenError> {
-        Self::read_whole(path, map, &mut |_, _| {})
+        Self::read_whole(path, map, None, &mut |_, _| {})
     }
 
     fn read_whole(
         path: &Path,
         map: Option<&str>,
+        vehicle: Option<&str>,
         on: &mut dyn FnMut(u64, u64),
     ) -> Result<Self, OpenError> {
         let refused = |why| OpenError::Container { path: path.to_owned(), why };
         let mut file = ProgressReader::open(path, on).map_err(|why| refused(why.into()))?;
         let mut survey = Survey::read_from(&mut file).map_err(refused)?;
-        let (map, map_name) = choose_map(map, survey.family)?;
+        let (mut map, map_name) = choose_map(map, survey.family)?;
+        map.vehicle.namespace = vehicle.map(str::to_owned).or(map.vehicle.namespace);
         survey.mark(&map);
         if survey.has(TICK_TOPIC) {
             let signals = Signals { notes: vec![AS_RECORDED.to_owned()], ..Signals::default() };
             let map_name = "twin".to_owned();
             let recorded = replayed(path)?;
             let path = path.to_owned();
-            return Ok(Self { path, survey, map, map_name, signals, recorded, long: None });
+            return Ok(Self {
+                path,
+                survey,
+                map,
+                map_name,
+                signals,
+                vehicles: Vec::new(),
+                recorded,
+                long: None,
+            });
         }
         file.again().map_err(|why| refused(why.into()))?;
-        let gathered = gather_from(&mut file, &map).map_err(refused)?;
-        let signals = signals(&gathered);
-        let recorded = on_ticks(&signals, &map.vehicle).map_err(|why| OpenError::Mirror {
-            path: path.to_owned(),
-            why,
-            topics: survey.topics(SHOWN_TOPICS),
-        })?;
+        let mut gathered = gather_from(&mut file, &map).map_err(refused)?;
+        let events = mend(&mut gathered.tracks);
+        gathered.notes.extend(events);
+        let topics = survey.topics(SHOWN_TOPICS);
+        let no_flight = |why| OpenError::Mirror { path: path.to_owned(), why, topics };
+        let flown = vehicles::one(gathered, &map.vehicle).and_then(|(gathered, vehicles)| {
+            let signals = signals(&gathered);
+            let recorded = on_ticks(&signals, &map.vehicle)?;
+            Ok((signals, vehicles, recorded))
+        });
+        let (signals, vehicles, recorded) = flown.map_err(no_flight)?;
         let path = path.to_owned();
-        Ok(Self { path, survey, map, map_name, signals, recorded, long: None })
+        Ok(Self { path, survey, map, map_name, signals, vehicles, recorded, long: None })
     }
 
     /// True if this program recorded the flight.

@@ -21,8 +21,9 @@ use twin_core::notation::{
     world_from_body, wrap_angle,
 };
 
-/// Longest flight, ticks: ten hours.
-pub(super) const MOST_TICKS: f64 = 3.6e6;
+/// Longest flight, s (ten hours), and in ticks.
+pub(super) const LONGEST_S: f64 = 36_000.0;
+pub(super) const MOST_TICKS: f64 = LONGEST_S / TICK_S;
 
 /// Number of coordinates of the arm, which are the last ones.
 pub(super) const ARM_ROWS: usize = 2;
@@ -78,6 +79,14 @@ pub enum MirrorError {
         "the recording spans {0:.0} s, at most ten hours are mirrored; a clock in it is broken"
     )]
     TooLong(f64),
+    /// No topic belongs to the vehicle that is asked for.
+    #[error("no topic belongs to the vehicle {wanted}; found are {}", if found.is_empty() { "none by name" } else { found.as_str() })]
+    NoVehicle {
+        /// Namespace that was asked for.
+        wanted: String,
+        /// Namespaces of the recording.
+        found: String,
+    },
 }
 
 /// Puts `signals` onto ticks.

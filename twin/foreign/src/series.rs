@@ -16,6 +16,9 @@ const GAP_RANGE_S: (f64, f64) = (0.05, LONGEST_HOLE_S);
 /// Length above which every hole is a gap, s.
 pub(super) const LONGEST_HOLE_S: f64 = 0.5;
 
+/// Time after a break whose samples are left out, s: two ticks and a half, so that at least one tick is unknown.
+const AFTER_BREAK_S: f64 = 0.025;
+
 /// Statistics of the sample times of a series.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Timing {
@@ -45,6 +48,8 @@ pub struct Series<const D: usize> {
     times_s: Vec<f64>,
     values: Vec<SVector<f64, D>>,
     gap_s: f64,
+    /// Times at which the value jumped without a motion, s: nothing is interpolated across them.
+    breaks_s: Vec<f64>,
     timing: Timing,
 }
 
@@ -54,6 +59,7 @@ impl<const D: usize> Default for Series<D> {
             times_s: Vec::new(),
             values: Vec::new(),
             gap_s: GAP_RANGE_S.1,
+            breaks_s: Vec::new(),
             timing: Timing::default(),
         }
     }
@@ -142,6 +148,29 @@ impl<const D: usize> Series<D> {
         self.timing.longest_gap_s = *periods.last().unwrap_or(&0.0);
     }
 
+    /// Breaks the series at these times, s, in ascending order: nothing is interpolated across a break, and the samples of the first
+    /// [`AFTER_BREAK_S`] after it are left out, so that a tick lies inside.
+    pub fn break_at(&mut self, breaks_s: &[f64]) {
+        let inside = |t_s: f64| breaks_s.iter().any(|at| (*at..at + AFTER_BREAK_S).contains(&t_s));
+        let keep: Vec<bool> = self.times_s.iter().map(|t_s| !inside(*t_s)).collect();
+        let mut kept = keep.iter();
+        self.values.retain(|_| kept.next().copied().unwrap_or(true));
+        let mut kept = keep.iter();
+        self.times_s.retain(|_| kept.next().copied().unwrap_or(true));
+        self.breaks_s = breaks_s.to_vec();
+    }
+
+    /// Whether a break lies between sample `i` and the next one.
+    fn is_broken(&self, i: usize) -> bool {
+        let after = self.breaks_s.partition_point(|at| *at <= self.times_s[i]);
+        self.breaks_s.get(after).is_some_and(|at| self.times_s.get(i + 1).is_some_and(|t| at <= t))
+    }
+
+    /// Times of the samples, s.
+    pub fn times_s(&self) -> &[f64] {
+        &self.times_s
+    }
+
     /// Statistics of the sample times.
     pub fn timing(&self) -> Timing {
         self.timing
@@ -187,7 +216,7 @@ impl<const D: usize> Series<D> {
         }
         let period = self.times_s[after] - start;
         // A time exactly on a sample needs no interpolation.
-        if period > self.gap_s {
+        if period > self.gap_s || self.is_broken(before) {
             return (t_s <= start).then_some((before, 0.0));
         }
         Some((before, (t_s - start) / period))
@@ -225,7 +254,8 @@ impl<const D: usize> Series<D> {
         let step = |a: usize| {
             let b = a + 1;
             let period = self.times_s.get(b)? - self.times_s.get(a)?;
-            (period <= self.gap_s).then(|| ((self.values[b] - self.values[a]) / period, period))
+            (period <= self.gap_s && !self.is_broken(a))
+                .then(|| ((self.values[b] - self.values[a]) / period, period))
         };
         match (i.checked_sub(1).and_then(step), step(i)) {
             (Some((d0, h0)), Some((d1, h1))) => (d0 * h1 + d1 * h0) / (h0 + h1),
@@ -273,6 +303,17 @@ impl Attitudes {
     /// First and last time, s.
     pub fn span(&self) -> Option<(f64, f64)> {
         self.raw.span()
+    }
+
+    /// Breaks the attitudes as [`Series::break_at`] does.
+    pub fn break_at(&mut self, breaks_s: &[f64]) {
+        self.raw.break_at(breaks_s);
+    }
+
+    /// Times in s and unit quaternions of the samples.
+    pub fn samples(&self) -> impl Iterator<Item = (f64, UnitQuaternion<f64>)> + '_ {
+        let turn = |v: &SVector<f64, 4>| UnitQuaternion::from_quaternion((*v).into());
+        self.raw.times_s.iter().copied().zip(self.raw.values.iter().map(turn))
     }
 
     /// Attitude at `t_s`; `None` outside of the series and inside gaps.

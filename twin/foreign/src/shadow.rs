@@ -11,6 +11,7 @@ use nalgebra::{Vector2, Vector3};
 use serde::Serialize;
 
 use super::forecaster::Forecaster;
+use super::gate;
 use super::shadow_score::{Score, Scored};
 use crate::playback::{Cursor, Playback};
 use crate::{OpenedFlight, RecordedFlight, RecordedSource};
@@ -58,6 +59,8 @@ pub struct ShadowReport {
     /// Coordinates, residuals and predictions.
     #[serde(flatten)]
     pub scored: Scored,
+    /// Where the forecasts are better than persistence and than the mean, and where they are not, in words.
+    pub gate: String,
     /// Hash that is equal for equal flights.
     pub state_hash: String,
 }
@@ -220,6 +223,7 @@ impl Shadow {
             held_ticks,
             resets_s,
             fault_ticks,
+            gate: gate::sentence(&score.prediction()),
             scored: score.finish(ticks),
             state_hash: format!("{:016x}", flight.state_hash()),
         })

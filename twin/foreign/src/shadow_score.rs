@@ -7,7 +7,6 @@ use std::collections::VecDeque;
 
 use serde::Serialize;
 
-use super::gate;
 use twin_core::elementary::{exp, squared};
 use twin_core::notation::{
     COORDINATE_NAMES, Coords, KnownCoords, KnownMask, N, TICK_S, known_in_both,
@@ -25,8 +24,6 @@ pub struct Scored {
     pub rows: Vec<RowReport>,
     /// Errors at each of [`SCORED`].
     pub prediction: Vec<HorizonReport>,
-    /// Where the forecast is better than persistence and than the mean, and where it is not, in words.
-    pub gate: String,
 }
 
 /// Results of one coordinate.
@@ -242,7 +239,7 @@ impl Score {
             }
         });
         let prediction = self.prediction();
-        Scored { rows: rows.collect(), gate: gate::sentence(&prediction), prediction }
+        Scored { rows: rows.collect(), prediction }
     }
 }
 

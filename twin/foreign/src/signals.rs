@@ -10,6 +10,7 @@ use super::clock::{Clock, Timebase, common_ns, timebases};
 use super::flags::Flags;
 use super::frames;
 use super::gather::{Gathered, Track};
+use super::jumps;
 use super::series::{Attitudes, Series, Timing};
 use super::topics::Quantity;
 
@@ -141,6 +142,7 @@ impl Chooser<'_> {
         self.rates();
         self.joints();
         self.effort();
+        self.breaks();
         self.signals.landed = self.flags(Quantity::Landed);
         self.signals.armed = self.flags(Quantity::Armed);
         self.signals
@@ -171,9 +173,13 @@ impl Chooser<'_> {
             let span_s = last_s - first_s - unread_s;
             (span_s > 0.0).then(|| times.len() as f64 / span_s)
         };
+        let mut of_quantity = self.tracks.iter().filter(|track| track.quantity == wanted);
+        let is_any_alive = of_quantity.any(Track::is_alive);
         let mut fits: Vec<(usize, f64)> = (0..self.tracks.len())
             .filter(|n| self.tracks[*n].quantity == wanted)
             .filter(|n| self.tracks[*n].samples.len() >= FEWEST_SAMPLES)
+            // An allocator that idles, or a sensor that is absent, sends zeros; another instance may be alive.
+            .filter(|n| !is_any_alive || self.tracks[*n].is_alive())
             .filter_map(|n| Some((n, rate(n)?)))
             .collect();
         fits.sort_by_key(|(n, _)| self.tracks[*n].rank);
@@ -321,6 +327,29 @@ impl Chooser<'_> {
         });
         self.note_use(number, series.timing_read(self.unread_s));
         self.signals.joints = Some((self.tracks[number].names.clone(), series));
+    }
+
+    /// Breaks pose and rates where the pose jumps, and says so.
+    fn breaks(&mut self) {
+        let signals = &mut self.signals;
+        let found = jumps::of_pose(signals.position.as_ref(), signals.attitude.as_ref());
+        if found.is_empty() {
+            return;
+        }
+        let rates = [&mut signals.position, &mut signals.velocity, &mut signals.body_velocity];
+        rates.into_iter().flatten().for_each(|series| series.break_at(&found));
+        signals.attitude.iter_mut().for_each(|attitudes| attitudes.break_at(&found));
+        if self.chosen.is_none() {
+            let note = jumps::note(&found, self.resets());
+            self.signals.notes.push(note);
+        }
+    }
+
+    /// Number of times that the estimator set its state anew, if it says so.
+    fn resets(&self) -> Option<usize> {
+        let number = self.best(Quantity::Resets)?;
+        let counts: Vec<f64> = self.times(number).map(|(_, values)| first(values)).collect();
+        Some(counts.windows(2).filter(|pair| pair[0].to_bits() != pair[1].to_bits()).count())
     }
 
     fn flags(&mut self, wanted: Quantity) -> Option<Flags> {

@@ -8,7 +8,9 @@ use super::gather::{Gathered, MessageDecoder};
 use super::index::Index;
 use super::recorded::{MirrorError, Reading, RecordedFlight, on_times, tick_count};
 use super::signals::{Signals, signals_of};
-use super::topics::Map;
+use super::table::ChunkEntry;
+use super::topics::{Map, Quantity};
+use super::vehicles::{self, VehicleFound};
 use twin_core::notation::TICK_S;
 
 /// Duration above which a flight is read around the playhead only, s.
@@ -28,6 +30,8 @@ pub(super) struct JudgedFlight {
     pub signals: Signals,
     /// The stretches on ticks.
     pub recorded: RecordedFlight,
+    /// The vehicles in the recording.
+    pub vehicles: Vec<VehicleFound>,
     /// Access to the whole flight.
     pub parts: ForeignParts,
 }
@@ -68,14 +72,38 @@ fn gather(index: &mut Index, map: &Map, stretches: &[(u64, u64)]) -> Gathered {
     gathered
 }
 
+/// First and last time of the chunks that contain a pose, ns: a recorder may run for long before and after the flight.
+fn pose_span(index: &Index, map: &Map) -> Option<(u64, u64)> {
+    let gives_pose = |channel: &mcap::records::Channel| {
+        let schema = index.table.definitions.schemas.get(channel.schema_id);
+        let schema = schema.map_or("", |schema| &schema.header.name);
+        let rule = map.rule(&channel.topic, schema);
+        rule.is_some_and(|(_, rule)| rule.gives.contains_key(&Quantity::Position))
+    };
+    let channels = index.table.definitions.channels.values();
+    let poses: Vec<u16> = channels.filter(|c| gives_pose(c)).map(|channel| channel.id).collect();
+    let has_pose = |place: &&ChunkEntry| {
+        let named = poses.iter().any(|channel| {
+            place.indexes.contains_key(channel) || place.counts.contains_key(channel)
+        });
+        // A chunk without an index may contain anything.
+        named || place.indexes.is_empty() && place.counts.is_empty()
+    };
+    let spans = || index.table.chunks.iter().filter(has_pose).filter_map(|place| place.span_ns);
+    Some((spans().map(|span| span.0).min()?, spans().map(|span| span.1).max()?))
+}
+
 /// Judges the flight in `index` by its stretches; the findings describe the damage of the file.
 ///
 /// # Errors
 /// [`MirrorError`] if the stretches contain no pose.
 pub(super) fn judge(mut index: Index, map: &Map) -> Result<(JudgedFlight, Findings), MirrorError> {
-    let (from_ns, to_ns) = index.span_ns().ok_or(MirrorError::NoPose)?;
+    let (from_ns, to_ns) = pose_span(&index, map).ok_or(MirrorError::NoPose)?;
+    if (to_ns - from_ns) as f64 / NS <= LONG_S {
+        return Err(MirrorError::NoPose);
+    }
     let stretches = stretches(from_ns, to_ns);
-    let gathered = gather(&mut index, map, &stretches);
+    let (gathered, vehicles) = vehicles::one(gather(&mut index, map, &stretches), &map.vehicle)?;
     let unread: Vec<(u64, u64)> = stretches.windows(2).map(|pair| (pair[0].1, pair[1].0)).collect();
     let mut signals = signals_of(&gathered, &unread);
     let seconds = |ns: u64| (i128::from(ns) - i128::from(signals.start_ns)) as f64 / NS;
@@ -101,7 +129,7 @@ pub(super) fn judge(mut index: Index, map: &Map) -> Result<(JudgedFlight, Findin
     ));
     let findings = index.table.findings.clone();
     let parts = ForeignParts::new(index, map, signals.clone(), settled, (start_s, ticks));
-    Ok((JudgedFlight { signals, recorded, parts }, findings))
+    Ok((JudgedFlight { signals, recorded, vehicles, parts }, findings))
 }
 
 /// First and last time of the flight, s: those of its pose, if the first and the last stretch contain one.

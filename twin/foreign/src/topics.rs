@@ -9,9 +9,9 @@ use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
 
+use super::pattern::{glob, names};
 use super::schema::short;
 use super::value::Path;
-use twin_input::work;
 
 /// The rules for messages that many software stacks use.
 const GENERIC: &str = include_str!("maps/generic.toml");
@@ -52,6 +52,8 @@ pub struct VehicleFacts {
     pub mass_kg: Option<f64>,
     /// Principal inertia about the body axes, kg m²; without it the torques of normalised set-points are per kg m².
     pub inertia_kg_m2: Option<[f64; 3]>,
+    /// Namespace of its topics, if the recording has several vehicles [default: the one that is in the air for longest].
+    pub namespace: Option<String>,
     /// Names of the joints that become the coordinates q1 and q2 [default: the first two].
     pub joints: Vec<String>,
 }
@@ -392,29 +394,6 @@ impl Fields {
             _ => Ok(()),
         }
     }
-}
-
-/// Whether `definition` contains the word `field`.
-fn names(definition: &[u8], field: &str) -> bool {
-    let letter = |byte: &u8| byte.is_ascii_alphanumeric() || *byte == b'_';
-    definition.split(|byte| !letter(byte)).any(|word| word == field.as_bytes())
-}
-
-/// Whether `text` matches `pattern`, in which `*` stands for any part.
-fn glob(pattern: &str, text: &str) -> bool {
-    work::steps(1);
-    let mut parts = pattern.split('*');
-    let Some(rest) = parts.next().and_then(|first| text.strip_prefix(first)) else { return false };
-    let mut parts: Vec<&str> = parts.collect();
-    let Some(last) = parts.pop() else { return rest.is_empty() };
-    let mut rest = rest;
-    for part in parts {
-        match rest.find(part) {
-            Some(at) => rest = &rest[at + part.len()..],
-            None => return false,
-        }
-    }
-    rest.ends_with(last)
 }
 
 #[cfg(test)]

@@ -17,6 +17,7 @@ use super::super::signals::signals;
 use super::super::survey::Survey;
 use super::super::table::Definitions;
 use super::super::topics::Map;
+use super::super::vehicles::one;
 use super::LOOK;
 use super::pulse::Pulse;
 use twin_input::budget::LIVE_SAMPLES;
@@ -257,7 +258,8 @@ impl Shared {
             let gathered = state.gathered();
             let facts = state.map.as_ref().map(|(map, _)| map.vehicle.clone()).unwrap_or_default();
             drop(state);
-            let found = on_ticks(&signals(&gathered), &facts);
+            let found = one(gathered, &facts)
+                .and_then(|(gathered, _)| on_ticks(&signals(&gathered), &facts));
             if found.is_ok_and(|flight| !matches!(flight.effort, Effort::Unknown { .. })) {
                 self.state().generation += 1;
             }
@@ -278,6 +280,7 @@ impl Shared {
             (state.gathered(), map, name, survey)
         };
         survey.mark(&map);
+        let (gathered, _) = one(gathered, &map.vehicle).ok()?;
         let mut signals = signals(&gathered);
         let recorded = on_ticks(&signals, &map.vehicle).ok()?;
         let mut state = self.state();
@@ -291,6 +294,7 @@ impl Shared {
             map: (*map).clone(),
             map_name,
             signals,
+            vehicles: Vec::new(),
             recorded,
             long: None,
         })
