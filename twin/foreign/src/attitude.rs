@@ -65,3 +65,8 @@ pub(super) fn tilt_at_rest(attitudes: &Attitudes) -> Option<UnitQuaternion<f64>>
 pub(super) fn vector(values: &[f64]) -> Vector3<f64> {
     Vector3::from_fn(|row, _| values.get(row).copied().unwrap_or(f64::NAN))
 }
+
+/// The first value.
+pub(super) fn first(values: &[f64]) -> f64 {
+    values.first().copied().unwrap_or(f64::NAN)
+}

@@ -31,7 +31,7 @@ pub fn decode(layout: &Layout, message: &[u8]) -> Result<Value, String> {
     reader.record(layout, 0)
 }
 
-/// Decodes one message of a ULog file: little endian, without alignment, and without the padding at the end.
+/// Decodes one message of a ULog file or of ROS 1: little endian, without a header, and without alignment.
 ///
 /// # Errors
 /// As [`decode`].
@@ -51,7 +51,7 @@ struct Reader<'a> {
 impl Reader<'_> {
     fn record(&mut self, layout: &Layout, number: usize) -> Result<Value, String> {
         let fields = &layout.types[number];
-        if fields.is_empty() {
+        if fields.is_empty() && !self.packed {
             // CDR sends a type without fields as one byte.
             self.take::<1>()?;
         }
@@ -184,6 +184,22 @@ mod tests {
             assert_eq!(number("inner.c"), Some(-2.0));
             assert_eq!(value.at(&Path::parse("name").unwrap()).unwrap().texts(), ["xy"]);
         }
+    }
+
+    #[test]
+    fn a_message_of_ros_1_has_times_of_two_numbers_and_texts_without_an_end() {
+        let text = "Header header\nfloat64 x\n===\nMSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n";
+        let layout = Layout::parse_ros1("p/A", text).unwrap();
+        // Written by hand from the rules of ROS 1: no header, no padding, and the length of a text is that of its letters.
+        let mut message: Vec<u8> =
+            [7_u32, 12, 500, 3].iter().flat_map(|n| n.to_le_bytes()).collect();
+        message.extend(b"map");
+        message.extend(1.5_f64.to_le_bytes());
+        let value = decode_packed(&layout, &message).unwrap();
+        let number = |path: &str| value.number(&Path::parse(path).unwrap());
+        assert_eq!(number("header.stamp.sec"), Some(12.0));
+        assert_eq!(number("header.stamp.nsec"), Some(500.0));
+        assert_eq!(number("x"), Some(1.5));
     }
 
     #[test]

@@ -82,6 +82,10 @@ pub(super) struct Field {
     pub(super) count: Count,
 }
 
+/// The types of time of ROS 1, as definitions of ROS 2.
+const ROS1_TIMES: &str =
+    "MSG: ros1/time\nuint32 sec\nuint32 nsec\nMSG: ros1/duration\nint32 sec\nint32 nsec\n";
+
 /// All types of a message; the message itself is first. No type contains itself.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Layout {
@@ -117,6 +121,22 @@ impl Layout {
         let layout = Self { types };
         layout.check_depth()?;
         Ok(layout)
+    }
+
+    /// Reads a definition of ROS 1 (`ros1msg`) of the message `name`: it has two types of time that ROS 2 does not have.
+    ///
+    /// # Errors
+    /// As [`Self::parse`].
+    pub fn parse_ros1(name: &str, text: &str) -> Result<Self, String> {
+        let line = |line: &str| {
+            let kind = line.split([' ', '[']).next().unwrap_or_default();
+            match kind {
+                "time" | "duration" => format!("ros1/{line}\n"),
+                _ => format!("{line}\n"),
+            }
+        };
+        let text: String = text.lines().map(|text| line(text.trim_start())).collect();
+        Self::parse(name, &format!("{text}{ROS1_TIMES}"))
     }
 
     /// Reads a definition in IDL (`ros2idl`) of the message `name`.

@@ -5,7 +5,7 @@
 use nalgebra::{SVector, UnitQuaternion};
 use serde::Serialize;
 
-use super::attitude::{attitude_of, tilt_at_rest, unwrapped, vector};
+use super::attitude::{attitude_of, first, tilt_at_rest, unwrapped, vector};
 use super::clock::{Clock, Timebase, common_ns, timebases};
 use super::flags::Flags;
 use super::frames;
@@ -397,8 +397,4 @@ impl Chooser<'_> {
             self.signals.thrust = Some((wanted, series));
         }
     }
-}
-
-fn first(values: &[f64]) -> f64 {
-    values.first().copied().unwrap_or(f64::NAN)
 }

@@ -327,7 +327,7 @@ impl Map {
         SHIPPED_MAPS.iter().find(|(known, _)| *known == name).map(|(_, map)| map.clone())
     }
 
-    /// The first rule that matches a channel, with its index, whatever its definition says.
+    /// The first rule that matches a channel, with its index.
     pub fn rule(&self, topic: &str, schema: &str) -> Option<(usize, &Rule)> {
         self.topic.iter().enumerate().find(|(_, rule)| rule.fits(topic, schema))
     }
@@ -335,8 +335,7 @@ impl Map {
     /// The first rule that matches a channel whose messages have this `definition`, with its index.
     pub fn rule_for(&self, topic: &str, schema: &str, definition: &[u8]) -> Option<(usize, &Rule)> {
         let named = |rule: &Rule| rule.has.is_empty() || names(definition, &rule.has);
-        let fits = |rule: &Rule| rule.fits(topic, schema) && named(rule);
-        self.topic.iter().enumerate().find(|(_, rule)| fits(rule))
+        self.topic.iter().enumerate().find(|(_, rule)| rule.fits(topic, schema) && named(rule))
     }
 }
 
