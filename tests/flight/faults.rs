@@ -22,6 +22,7 @@ const STRAY_M: f64 = 0.15;
 type Commands = Arc<Mutex<Vec<ActuatorCommand>>>;
 
 /// A source that breaks coordinates of its measurement, so that they are not finite for a while. It records every command.
+#[derive(Clone)]
 struct Broken {
     source: Box<dyn Source + Send>,
     breaks: fn(&mut Measurement),
@@ -64,6 +65,7 @@ impl Source for Broken {
 }
 
 /// A predictor that breaks its forecast, so that a number of it is not finite for a while.
+#[derive(Clone)]
 struct Dreaming {
     predictor: Box<dyn Predictor>,
     breaks: fn(&mut Forecast),
@@ -179,6 +181,7 @@ fn broken_forecasts_become_a_fault_and_reach_no_actuator() {
 }
 
 /// A source that has never measured anything.
+#[derive(Clone)]
 struct Dead;
 impl Source for Dead {
     fn advance(&mut self, setpoint: &Setpoint, inner: &mut dyn InnerLoop) -> Measurement {

@@ -1,5 +1,6 @@
 //! Whole flights: the same seed twice, faults, missions, disturbances.
 
+mod copied;
 mod disturbances;
 mod faults;
 mod flown;

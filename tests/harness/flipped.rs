@@ -10,6 +10,7 @@ use twin_scenario::{Assessor, Scenario};
 use super::Folder;
 
 /// A controller whose sliding variable pushes the vehicle in the wrong direction.
+#[derive(Clone)]
 struct Inverted(Box<dyn Controller>);
 
 impl Controller for Inverted {

@@ -9,7 +9,10 @@ mod parts;
 mod stand_ins;
 mod inner_guard;
 mod saturation;
+mod alteration;
+pub mod snapshots;
 
+pub use alteration::{Alteration, Other};
 pub use parts::{Parts, Stage};
 pub use saturation::LONG_S as LONG_SATURATION_S;
 pub use schedule::{Condition, Trigger};
@@ -34,10 +37,14 @@ use stand_ins::StandIns;
 /// Pitch beyond which ZYX Euler angles are too near to their singularity, rad.
 const PITCH_LIMIT_RAD: f64 = 80.0 * std::f64::consts::PI / 180.0;
 
-/// A flight in progress. [`Parts`] has an example, from the parts to the last tick.
+/// A flight in progress. [`Parts`] has an example, from the parts to the last tick. A copy of it flies on by itself, tick by tick as the
+/// original would; weights and models are shared.
+#[derive(Clone)]
 pub struct Flight {
     parts: Parts,
     schedule: Schedule,
+    /// Alterations to come, each with its time, s.
+    alterations: Vec<(f64, Alteration)>,
     history: History,
     stand_ins: StandIns,
     foresight: Foresight,
@@ -60,6 +67,7 @@ impl Flight {
         let timed = std::mem::take(&mut parts.schedule);
         Self {
             schedule: Schedule::new(timed, std::mem::take(&mut parts.triggers)),
+            alterations: Vec::new(),
             history: History::new(parts.history_len),
             stand_ins: StandIns::new(),
             foresight: Foresight::default(),
@@ -84,6 +92,11 @@ impl Flight {
     /// A flight from its parts whose first tick has the number `index`: it starts in the middle of a recording.
     pub fn starting_at(parts: Parts, index: u64) -> Self {
         Self { index, ..Self::new(parts) }
+    }
+
+    /// Number of the next tick.
+    pub fn index(&self) -> u64 {
+        self.index
     }
 
     /// The values in force.
@@ -135,6 +148,7 @@ impl Flight {
     /// One control period; calls `done` at the end of each stage.
     pub fn tick_with(&mut self, done: &mut dyn FnMut(Stage)) -> Tick {
         let now_s = self.index as f64 * TICK_S;
+        self.make_due_alterations(now_s);
         while let Some(disturbance) = self.schedule.next(now_s) {
             self.disturb(&disturbance);
         }

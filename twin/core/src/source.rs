@@ -2,6 +2,7 @@
 //!
 //! In: a [`Setpoint`] and the pure inner loop. Out: a [`Measurement`] one tick later.
 
+use dyn_clone::{DynClone, clone_trait_object};
 use nalgebra::{Vector2, Vector3};
 
 use crate::quantity::{self, Quantity};
@@ -46,6 +47,7 @@ pub trait InnerLoop {
 /// use twin_core::tick::{GripperReading, Measurement, Setpoint, Truth};
 ///
 /// const MASS_KG: f64 = 2.0;
+/// #[derive(Clone)]
 /// struct PointMass {
 ///     t_s: f64,
 ///     chi: Coords,
@@ -85,7 +87,7 @@ pub trait InnerLoop {
 /// let fallen = (0..100).map(|_| mass.advance(&setpoint, &mut inner)).last().expect("100 ticks");
 /// assert!((fallen.chi[2] + GRAVITY_M_S2 / 2.0).abs() < 1e-12);
 /// ```
-pub trait Source {
+pub trait Source: DynClone {
     /// Advances one tick under `setpoint`, calls `inner` at its own rate, and measures.
     fn advance(&mut self, setpoint: &Setpoint, inner: &mut dyn InnerLoop) -> Measurement;
 
@@ -95,6 +97,8 @@ pub trait Source {
     /// Applies a change that an operator or a scenario asked for, between two ticks.
     fn disturb(&mut self, disturbance: &Disturbance);
 }
+
+clone_trait_object!(Source);
 
 /// Names of the effects that [`Disturbance::Effect`] switches: air, then vehicle, then links.
 pub const EFFECTS: [&str; 14] = [

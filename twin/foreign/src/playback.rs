@@ -231,6 +231,7 @@ impl Cursor {
 }
 
 /// Source that plays a recording: it ignores set-points and disturbances.
+#[derive(Clone)]
 pub struct RecordedSource {
     cursor: Cursor,
     next: usize,

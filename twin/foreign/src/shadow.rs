@@ -162,7 +162,7 @@ impl Shadow {
             controller: Box::new(Adaptive::default()),
             inner,
             task: Box::new(Watch::new(self, first)),
-            gravity: Box::new(move |_| nominal),
+            gravity: Arc::new(move |_| nominal),
             setpoint: Setpoint {
                 force_in_world_n: Vector3::new(0.0, 0.0, nominal[2]),
                 yaw_des: [0.0; 3],
@@ -251,6 +251,7 @@ fn scale(playback: &Arc<Playback>, nominal_inertia: &Coords) -> Coords {
 }
 
 /// Task that flies nothing: its reference is the expected pose, and it freezes the adapter while no residual is known.
+#[derive(Clone)]
 struct Watch {
     /// Number of ticks of the flight; `None` while it still goes on.
     ticks: Option<usize>,
@@ -265,6 +266,7 @@ struct Watch {
 
 /// A start state of the ghost. It is integrated with the measured force and with the residual of its first tick. A coordinate that was
 /// unknown at any of these ticks is NaN from then on.
+#[derive(Clone)]
 struct Start {
     chi: Coords,
     chi_dot: Coords,

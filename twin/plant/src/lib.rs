@@ -28,6 +28,7 @@ mod servo;
 mod sensors;
 mod estimator;
 mod setup;
+mod world;
 mod budget;
 pub mod vehicle;
 mod failures;

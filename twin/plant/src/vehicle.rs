@@ -1,5 +1,7 @@
 //! The simulated vehicle and one step of its world, 1 ms.
 
+use std::sync::Arc;
+
 use nalgebra::{Rotation3, Vector2, Vector3};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
@@ -18,6 +20,7 @@ use super::sensors::{KinematicState, Sensors};
 use super::servo::Servos;
 use super::setup::{BuiltWorld, Start, rig};
 use super::wind::{Wind, WindNow};
+use super::world::World;
 use super::{Articulation, PlantError, PlantSettings, STEP_S, STEPS_PER_TICK};
 use crate::model::{Robot, Statics};
 use twin_core::control::delays::RESIDUAL_CORNER_HZ;
@@ -67,9 +70,10 @@ impl Inputs {
 }
 
 /// The vehicle, its arena, its sensors.
+#[derive(Clone)]
 pub struct SimulatedVehicle {
-    pub(super) world: PhysicsWorld,
-    pub(super) robot: Robot,
+    pub(super) world: World,
+    pub(super) robot: Arc<Robot>,
     pub(super) articulation: Articulation,
     pub(super) leapfrog: Leapfrog,
     inputs: Option<Inputs>,
@@ -160,8 +164,8 @@ impl SimulatedVehicle {
             inner_steps: start.inner_steps.max(1),
             filter_tau,
             inputs: None,
-            world,
-            robot,
+            world: World(world),
+            robot: Arc::new(robot),
             articulation,
             leapfrog,
             arena,

@@ -1,6 +1,7 @@
 //! Assembles the parts of a flight from the settings of a scenario.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use nalgebra::{Vector2, Vector3};
 
@@ -86,7 +87,7 @@ pub(super) fn parts(scenario: &Scenario) -> Result<Parts, BuildError> {
     let tuning = tuning(settings)?;
     let gravity = || -> GravityModel {
         let statics = Statics::new(&robot, &arm_joints);
-        Box::new(move |chi: &Coords| statics.gravity(chi))
+        Arc::new(move |chi: &Coords| statics.gravity(chi))
     };
     let predictor = failures::predictor(settings, predictor(scenario, &tuning, &gravity)?);
     let scale = match settings.predictor.units {

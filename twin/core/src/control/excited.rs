@@ -64,6 +64,7 @@ impl Multisine {
 }
 
 /// A control law with an excitation on its output.
+#[derive(Clone)]
 pub struct Excited {
     law: Box<dyn Controller>,
     multisine: Multisine,

@@ -13,6 +13,7 @@ pub mod allocation;
 pub mod inner;
 pub mod safe_set;
 
+use dyn_clone::{DynClone, clone_trait_object};
 use nalgebra::Vector3;
 
 use crate::notation::Coords;
@@ -57,6 +58,7 @@ pub struct Input<'a> {
 /// use twin_core::tick::{ControlState, Setpoint};
 /// # use twin_core::{control::Preset, fixture, notation::TICK_S};
 ///
+/// #[derive(Clone)]
 /// struct Pd;
 ///
 /// impl Controller for Pd {
@@ -96,7 +98,9 @@ pub struct Input<'a> {
 /// let wanted = Vector3::new(-18.0 * 0.2, 0.0, 29.43); // against the error, and up
 /// assert!((setpoint.force_in_world_n - wanted).norm() < 1e-12);
 /// ```
-pub trait Controller: Send {
+pub trait Controller: DynClone + Send {
     /// The set-point until the next tick, and the internal values that an operator wants to see.
     fn control(&mut self, input: &Input<'_>, gains: &Gains) -> (Setpoint, ControlState);
 }
+
+clone_trait_object!(Controller);

@@ -38,6 +38,7 @@ pub enum Stage {
 /// # use twin_core::task::motion::{Motion, Posture};
 /// # use twin_core::task::{Step, Task, View};
 /// # use twin_core::{fixture, flight::{Flight, Parts}, notation::*, source::*, tick::*, tuning::Tuning};
+/// #[derive(Clone)]
 /// struct PointMass(Measurement); // 2 kg
 /// # impl Source for PointMass {
 /// #     fn advance(&mut self, setpoint: &Setpoint, _: &mut dyn InnerLoop) -> Measurement {
@@ -52,6 +53,7 @@ pub enum Stage {
 /// #     fn truth(&self) -> Option<Truth> { None }
 /// #     fn disturb(&mut self, _: &Disturbance) {}
 /// # }
+/// #[derive(Clone)]
 /// struct SameAgain; // expects the last residual
 /// # impl Predictor for SameAgain {
 /// #     fn regime_len(&self) -> usize { 0 }
@@ -60,6 +62,7 @@ pub enum Stage {
 /// #         Forecast { base: vec![last.into(); HORIZON + 1], regime: Vec::new(), attention: Vec::new() }
 /// #     }
 /// # }
+/// #[derive(Clone)]
 /// struct Pd(Setpoint); // critically damped, 8 rad/s
 /// # impl Controller for Pd {
 /// #     fn control(&mut self, input: &Input<'_>, _: &Gains) -> (Setpoint, ControlState) {
@@ -69,6 +72,7 @@ pub enum Stage {
 /// #         (Setpoint { force_in_world_n: position(&tau), ..self.0 }, state)
 /// #     }
 /// # }
+/// #[derive(Clone)]
 /// struct Rise(Motion); // stays at its goal
 /// # impl Task for Rise {
 /// #     fn update(&mut self, view: &View<'_>, _: f64) -> Step {
@@ -91,7 +95,7 @@ pub enum Stage {
 ///     controller: Box::new(Pd(setpoint)),
 ///     inner,
 ///     task: Box::new(Rise(Motion::new(goal))),
-///     gravity: Box::new(|_| Coords::zeros()), // no model knows the weight
+///     gravity: std::sync::Arc::new(|_| Coords::zeros()), // no model knows the weight
 ///     tuning,
 ///     schedule: Vec::new(),
 ///     triggers: Vec::new(),
@@ -106,6 +110,7 @@ pub enum Stage {
 /// // Of 0.1 m the exact solution leaves (1 + 8) exp(-8) = 0.3 % after 1 s; the first ticks and the delay of one tick change little.
 /// assert!((tick.measurement.chi[2] - 0.1).abs() < 0.0005 && tick.finished);
 /// ```
+#[derive(Clone)]
 pub struct Parts {
     /// The source: a simulated, recorded or live vehicle.
     pub source: Box<dyn Source + Send>,

@@ -87,6 +87,14 @@ impl Schedule {
         schedule
     }
 
+    /// Adds disturbances by time, s, and triggers.
+    pub(super) fn extend(&mut self, timed: Vec<(f64, Disturbance)>, waiting: Vec<Trigger>) {
+        for (at_s, disturbance) in timed {
+            self.add(at_s, disturbance);
+        }
+        self.waiting.extend(waiting);
+    }
+
     /// Removes and returns the next disturbance that is due at `now_s`.
     pub(super) fn next(&mut self, now_s: f64) -> Option<Disturbance> {
         let due = self.timed.peek().is_some_and(|timed| timed.at_s <= now_s);

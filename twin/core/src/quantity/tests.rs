@@ -79,6 +79,7 @@ fn the_same_thing_has_one_range_wherever_it_is_written() {
         ["wind.velocity_m_s.0", "disturbances.velocity_m_s.0"],
         ["wind.gust_m_s", "faults.velocity_m_s.2"],
         ["disturbances.at_s", "faults.at_s"],
+        ["disturbances.at_s", "changes.at_s"],
         ["arena.friction", "payload.friction"],
     ] {
         let name = |key: &str| at(&path(key)).unwrap_or_else(|| panic!("{key}")).quantity.name;

@@ -7,6 +7,7 @@ use crate::notation::Coords;
 use crate::tick::Forecast;
 
 /// Another predictor, broken during some of its calls.
+#[derive(Clone)]
 pub struct Failing {
     predictor: Box<dyn Predictor>,
     /// Ranges of calls that did not begin yet; the first is last.

@@ -39,6 +39,7 @@ pub use fast::Fast;
 pub use model::{Model, Output};
 
 /// The network with the statistics of its training data.
+#[derive(Clone)]
 pub struct Fdt {
     network: Fast,
     scaling: Scaling,

@@ -19,6 +19,7 @@ impl Predictor for ZeroPredictor {
 }
 
 /// Predicts `r_hat = g(chi)`, the gravity force of the vehicle without payload.
+#[derive(Clone)]
 pub struct Gravity {
     model: GravityModel,
 }
@@ -42,6 +43,7 @@ impl Predictor for Gravity {
 
 /// Predicts `g(chi)` with the one-feature regime `g' = [1]`, so that the adapter learns one offset per coordinate. It adapts
 /// slowly on purpose: with it the effect of a covariance reset is visible.
+#[derive(Clone)]
 pub struct Bias {
     model: GravityModel,
 }

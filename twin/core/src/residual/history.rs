@@ -35,6 +35,11 @@ impl History {
         Self { entries: VecDeque::with_capacity(capacity), capacity: capacity.max(1), last: None }
     }
 
+    /// Makes room for at least `capacity` ticks; the ticks in it stay.
+    pub fn lengthen(&mut self, capacity: usize) {
+        self.capacity = self.capacity.max(capacity);
+    }
+
     /// Appends tick `t`, whose residual is known in every coordinate; its `tau` and `residual` become visible at `t + 1`.
     pub fn push(&mut self, chi: Coords, chi_dot: Coords, tau: Coords, residual: Coords) {
         self.push_masked(chi, chi_dot, tau, residual, [true; N]);

@@ -11,6 +11,7 @@ pub mod gpt2;
 pub mod neural_fly;
 pub mod ridge;
 
+use dyn_clone::{DynClone, clone_trait_object};
 use serde::{Deserialize, Serialize};
 
 use super::scaling::Scaling;
@@ -87,7 +88,7 @@ fn norm(stem: &str, width: usize) -> Shapes {
 }
 
 /// A baseline's network.
-pub trait Network: Send {
+pub trait Network: DynClone + Send {
     /// z-scored histories `[channels, t_long]`, oldest first, to z-scored forecasts `[horizon + 1, outputs]` and the last hidden
     /// vector `[d_k]`.
     fn forward(&self, x: &[f32]) -> (Vec<f32>, Vec<f32>);
@@ -95,6 +96,8 @@ pub trait Network: Send {
     /// Learns from the z-scored residual `[outputs]` of the tick whose last hidden vector was `hidden`.
     fn learn(&mut self, _hidden: &[f32], _residual: &[f32]) {}
 }
+
+clone_trait_object!(Network);
 
 /// How a baseline is read from a file.
 struct Layout {
@@ -149,6 +152,7 @@ pub fn network(weights: &Weights) -> Result<(Sizes, Box<dyn Network>), WeightsEr
 }
 
 /// A baseline in flight.
+#[derive(Clone)]
 pub struct Baseline {
     network: Box<dyn Network>,
     sizes: Sizes,

@@ -25,6 +25,9 @@ pub mod learned;
 pub mod trained;
 pub mod failing;
 
+use std::sync::Arc;
+
+use dyn_clone::{DynClone, clone_trait_object};
 use serde::{Deserialize, Serialize};
 
 use crate::notation::Coords;
@@ -58,6 +61,7 @@ pub const REPORTED: [usize; 5] = [0, 3, 6, 10, 20];
 /// use twin_core::residual::{HORIZON, History, Predictor};
 /// use twin_core::tick::Forecast;
 ///
+/// #[derive(Clone)]
 /// struct ConstantBias;
 ///
 /// impl Predictor for ConstantBias {
@@ -90,7 +94,7 @@ pub const REPORTED: [usize; 5] = [0, 3, 6, 10, 20];
 /// // Twenty additions round by less than 1e-12 N.
 /// assert!(forecast.base.iter().all(|r_hat| (**r_hat - payload).norm() < 1e-12));
 /// ```
-pub trait Predictor: Send {
+pub trait Predictor: DynClone + Send {
     /// Width `d_k` of the regime latent, 0 if the predictor has none (then the adapter has nothing to learn from).
     fn regime_len(&self) -> usize;
 
@@ -107,6 +111,8 @@ pub trait Predictor: Send {
     /// Forecast for the newest entry of `history`. Non-finite input gives non-finite output, which the flight rejects.
     fn predict(&mut self, history: &History) -> Forecast;
 }
+
+clone_trait_object!(Predictor);
 
 /// Properties of a predictor that are known before its first forecast.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -140,7 +146,7 @@ impl Default for PredictorInfo {
 }
 
 /// Generalised gravity force of the vehicle as modelled (no payload), `g(chi)`, N and N m.
-pub type GravityModel = Box<dyn Fn(&Coords) -> Coords + Send + Sync>;
+pub type GravityModel = Arc<dyn Fn(&Coords) -> Coords + Send + Sync>;
 
 /// Standard deviation of the residual per coordinate over flights with excitation, N and N m: the unit of the innovation for predictors
 /// without training data. Source: a control study with multisine excitation and 0, 200 and 400 g on another plant model, rounded.

@@ -43,6 +43,7 @@ pub(super) const RATE_SCALE: [f64; 8] = [0.5, 0.5, 0.3, 0.3, 0.3, 0.2, 0.5, 0.5]
 const JOINT_CENTRE_RAD: [f64; 2] = [0.15, 1.24];
 
 /// The random features as a predictor, with a fixed projection.
+#[derive(Clone)]
 pub struct RandomFeatures {
     model: GravityModel,
     projection: DMatrix<f64>,
@@ -99,11 +100,13 @@ impl Predictor for RandomFeatures {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
     use crate::elementary::sin;
 
     fn features(seed: u64) -> RandomFeatures {
-        RandomFeatures::new(Box::new(|_| Coords::repeat(1.0)), 32, seed)
+        RandomFeatures::new(Arc::new(|_| Coords::repeat(1.0)), 32, seed)
     }
 
     #[test]

@@ -11,6 +11,7 @@ pub mod follow;
 pub mod pick_place;
 pub mod excitation;
 
+use dyn_clone::{DynClone, clone_trait_object};
 use nalgebra::{Isometry3, Vector2, Vector3};
 
 use crate::notation::KnownCoords;
@@ -66,6 +67,7 @@ pub trait ToolKinematics: std::fmt::Debug + Send + Sync {
 ///
 /// const RATE_RAD_S: f64 = 0.5;
 ///
+/// #[derive(Clone)]
 /// struct QuarterTurn {
 ///     yaw_rad: f64,
 /// }
@@ -94,7 +96,9 @@ pub trait ToolKinematics: std::fmt::Debug + Send + Sync {
 /// });
 /// assert_eq!(ticks, Some(315));
 /// ```
-pub trait Task: Send {
+pub trait Task: DynClone + Send {
     /// One tick of `dt_s`.
     fn update(&mut self, view: &View<'_>, dt_s: f64) -> Step;
 }
+
+clone_trait_object!(Task);

@@ -164,6 +164,7 @@ impl Fit {
 }
 
 /// The Gaussian process as a predictor.
+#[derive(Clone)]
 pub struct Gp {
     standard: Standard,
     x: Vec<Vec<f64>>,

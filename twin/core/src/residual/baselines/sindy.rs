@@ -31,6 +31,7 @@ const CHUNK: usize = 1000;
 const TENSOR: &str = "coefficients";
 
 /// The sparse model as a predictor.
+#[derive(Clone)]
 pub struct Sindy {
     standard: Standard,
     /// Coefficients, `[targets, terms]`.

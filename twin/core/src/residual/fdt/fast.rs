@@ -11,6 +11,7 @@ use super::fold::{FirstLayer, Memory};
 use super::model::{Long, Model, Output, Short, newest};
 
 /// A network prepared for one processor.
+#[derive(Clone)]
 pub struct Fast {
     kernel: Kernel,
     precision: Precision,
@@ -26,6 +27,7 @@ pub struct Fast {
     mixer: Mixer,
 }
 
+#[derive(Clone)]
 struct FastShort {
     embed: Packed,
     /// The constant part of each token (identity and global token), [tokens, d].
@@ -37,6 +39,7 @@ struct FastShort {
     layers: Vec<(LayerNorm, Packed, Packed)>,
 }
 
+#[derive(Clone)]
 struct FastLong {
     hidden: Packed,
     query: Packed,
@@ -46,6 +49,7 @@ struct FastLong {
     value_identity: Vec<f32>,
 }
 
+#[derive(Clone)]
 struct Decoder {
     norm: LayerNorm,
     ffn_hidden: Packed,

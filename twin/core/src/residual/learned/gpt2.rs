@@ -19,6 +19,7 @@ pub fn tensors(sizes: &Sizes) -> Shapes {
 }
 
 /// The network.
+#[derive(Clone)]
 pub struct Gpt2 {
     embed: Linear,
     positions: Vec<f32>,

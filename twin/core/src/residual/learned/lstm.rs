@@ -16,6 +16,7 @@ pub fn tensors(sizes: &Sizes) -> Shapes {
 }
 
 /// The network.
+#[derive(Clone)]
 pub struct Lstm {
     input: Linear,
     hidden: Linear,

@@ -1,6 +1,8 @@
 //! Multi-layer perceptron on the last ticks, whose last layer continues to learn in flight by gradient descent. After Sanner and
 //! Slotine, Gaussian Networks for Direct Adaptive Control, IEEE TNN 3(6), 1992, with learned instead of Gaussian features.
 
+use std::sync::Arc;
+
 use super::super::nn::Linear;
 use super::super::weights::Weights;
 use super::stack::{self, Stack};
@@ -17,6 +19,7 @@ pub fn tensors(sizes: &Sizes) -> Shapes {
 }
 
 /// The network.
+#[derive(Clone)]
 pub struct Mlp {
     hidden: Stack,
     readout: Linear,
@@ -42,11 +45,13 @@ impl Network for Mlp {
         let said = self.readout.apply(hidden);
         let rate = STEP / (1.0 + hidden.iter().map(|h| h * h).sum::<f32>());
         let (inputs, outputs) = (self.readout.inputs, residual.len());
-        for (at, row) in self.readout.weight.chunks_exact_mut(inputs).enumerate() {
+        for (at, row) in
+            Arc::make_mut(&mut self.readout.weight).chunks_exact_mut(inputs).enumerate()
+        {
             let error = residual[at % outputs] - said[at % outputs];
             row.iter_mut().zip(hidden).for_each(|(w, h)| *w += rate * error * h);
         }
-        for (at, bias) in self.readout.bias.iter_mut().enumerate() {
+        for (at, bias) in Arc::make_mut(&mut self.readout.bias).iter_mut().enumerate() {
             *bias += rate * (residual[at % outputs] - said[at % outputs]);
         }
     }

@@ -31,6 +31,7 @@ pub fn tensors(sizes: &Sizes) -> Shapes {
 }
 
 /// The network.
+#[derive(Clone)]
 pub struct NeuralFly {
     hidden: Stack,
     features: Linear,

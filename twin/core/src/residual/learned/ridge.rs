@@ -13,6 +13,7 @@ pub fn tensors(sizes: &Sizes) -> Shapes {
 }
 
 /// The linear map.
+#[derive(Clone)]
 pub struct Ridge {
     readout: Linear,
 }

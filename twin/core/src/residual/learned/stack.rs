@@ -5,6 +5,7 @@ use super::super::weights::Weights;
 use super::{Shapes, Sizes, linear};
 
 /// The layers.
+#[derive(Clone)]
 pub(super) struct Stack(Vec<Linear>);
 
 fn inputs(layer: usize, sizes: &Sizes) -> usize {

@@ -43,6 +43,7 @@ pub fn positions(t: usize, d: usize) -> Vec<f32> {
 }
 
 /// The maps of one layer.
+#[derive(Clone)]
 pub(super) struct Block {
     pub(super) qkv: Linear,
     pub(super) out: Linear,
@@ -90,6 +91,7 @@ impl Block {
 }
 
 /// The network.
+#[derive(Clone)]
 pub struct Transformer {
     embed: Linear,
     positions: Vec<f32>,

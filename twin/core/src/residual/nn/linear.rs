@@ -1,14 +1,16 @@
 //! Linear map with optional bias.
 
+use std::sync::Arc;
+
 use super::super::weights::Weights;
 
-/// `y = W x + b` on each vector of a sequence.
+/// `y = W x + b` on each vector of a sequence. Copies share the numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Linear {
     /// `W`, [outputs, inputs].
-    pub weight: Vec<f32>,
+    pub weight: Arc<[f32]>,
     /// `b`, `[outputs]`; empty if there is none.
-    pub bias: Vec<f32>,
+    pub bias: Arc<[f32]>,
     /// Width of an input.
     pub inputs: usize,
 }
@@ -17,8 +19,8 @@ impl Linear {
     /// Loads the tensors `{stem}.weight` and, if it exists, `{stem}.bias`; `inputs` is at least 1.
     pub fn load(weights: &Weights, stem: &str, inputs: usize) -> Self {
         Self {
-            weight: weights.values(&format!("{stem}.weight")),
-            bias: weights.values(&format!("{stem}.bias")),
+            weight: weights.values(&format!("{stem}.weight")).into(),
+            bias: weights.values(&format!("{stem}.bias")).into(),
             inputs,
         }
     }

@@ -1,13 +1,15 @@
 //! Weights packed for the inner loops: panels of [`LANES`] outputs, with one input after the other.
 
+use std::sync::Arc;
+
 use super::kernels::{self, Kernel, LANES};
 use super::product::Product;
 
-/// A linear map `y = W x + b`, packed.
+/// A linear map `y = W x + b`, packed. Copies share the numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Packed {
     panels: Panels,
-    bias: Vec<f32>,
+    bias: Arc<[f32]>,
     inputs: usize,
     outputs: usize,
 }
@@ -24,8 +26,8 @@ pub enum Precision {
 
 #[derive(Clone, Debug, PartialEq)]
 enum Panels {
-    F32(Vec<f32>),
-    Bf16(Vec<u16>),
+    F32(Arc<[f32]>),
+    Bf16(Arc<[u16]>),
 }
 
 impl Packed {
@@ -40,10 +42,10 @@ impl Packed {
             }
         }
         let panels = match precision {
-            Precision::F32 => Panels::F32(panels),
+            Precision::F32 => Panels::F32(panels.into()),
             Precision::Bf16 => Panels::Bf16(panels.into_iter().map(bf16).collect()),
         };
-        Self { panels, bias: bias.to_vec(), inputs, outputs }
+        Self { panels, bias: bias.into(), inputs, outputs }
     }
 
     /// `x`: rows `stride_x` apart, of which the first `inputs` numbers are used. `y`: [rows, outputs], which gives the number of

@@ -48,6 +48,7 @@ pub struct PickPlacePlan {
 }
 
 /// The task's state.
+#[derive(Clone)]
 pub struct PickPlace {
     mission: PickPlacePlan,
     arm: Arc<dyn ToolKinematics>,
