@@ -7,6 +7,7 @@ mod endings;
 mod fdt;
 mod flight;
 mod folder;
+mod forks;
 mod harness;
 mod layers;
 mod mirror;

@@ -80,6 +80,13 @@ pub(super) fn names(rng: &mut Pcg64, key: &str) -> Value {
         "vehicle.arm_joints" => {
             &[&["joint1", "joint2"], &["joint1"], &[], &["joint2", "joint1"], &["joint1", "joint1"]]
         }
+        "changes.set" => &[
+            &["gains.preset=paper"],
+            &["predictor.kind=persistence", "controller.kind=pid"],
+            &["wind.velocity_m_s=[2,0,0]", "aero.downwash=false"],
+            &["seed=3"],
+            &["="],
+        ],
         _ => &[&[], &[], &["name=folder"], &["="]],
     };
     let list = lists[rng.random_range(0..lists.len())];

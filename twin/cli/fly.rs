@@ -14,7 +14,8 @@ use twin_record::{Outputs, Recorder, RecordingEnd, RecordingStatus};
 use twin_scenario::run::event_lines;
 use twin_scenario::{Report, Scenario, Verdict, fly_until_signal};
 
-use super::{End, Overrides, Overwrite, default_scenario, print};
+use super::orders::Orders;
+use super::{End, Overwrite, default_scenario, forked, print};
 
 #[derive(Args, Clone)]
 #[allow(clippy::struct_excessive_bools, reason = "each is a flag of the command line")]
@@ -30,10 +31,10 @@ pub(super) struct FlyArgs {
     /// Seed instead of the scenario's.
     #[arg(long)]
     seed: Option<u64>,
-    /// Record the flight as MCAP (opens in Foxglove, Lichtblick, Rerun and PlotJuggler). If the file exists, the recording goes to
-    /// FILE-2.mcap, FILE-3.mcap, … If the disk fails, the flight goes on, and the exit code is 1; `twin recover` finishes the file.
+    /// Record the flight as MCAP (opens in Foxglove, Lichtblick, Rerun and PlotJuggler), and its forks beside it as FILE-fork-1.mcap, ….
+    /// If the file exists, the recording goes to FILE-2.mcap, FILE-3.mcap, … If the disk fails, the flight goes on, and the exit code is 1; `twin recover` finishes the file.
     #[arg(long, value_name = "FILE.mcap")]
-    record: Option<PathBuf>,
+    pub(super) record: Option<PathBuf>,
     /// Simulated seconds per second, or `max`.
     #[arg(long, default_value = "1", conflicts_with = "headless", value_parser = parse_speed)]
     speed: Speed,
@@ -60,9 +61,12 @@ pub(super) struct FlyArgs {
     #[arg(long, value_name = "https://HOST[:PORT]", requires = "foxglove_port")]
     foxglove_origin: Vec<AppOrigin>,
     #[command(flatten)]
-    overwrite: Overwrite,
+    pub(super) overwrite: Overwrite,
+    /// Write the scenario that repeats the fork, or with several forks one file for each (with --fork-at).
+    #[arg(long, value_name = "FILE.toml", requires = "fork_at")]
+    pub(super) scenario_out: Option<PathBuf>,
     #[command(flatten)]
-    overrides: Overrides,
+    pub(super) orders: Orders,
 }
 
 /// Simulated seconds per second; `None` flies as fast as the machine can.
@@ -87,14 +91,17 @@ pub(super) fn run(args: &FlyArgs) -> anyhow::Result<End> {
             file.display()
         );
     }
-    let mut overrides = args.overrides.set.clone();
+    let mut overrides = args.orders.set.clone();
     overrides.extend(args.seed.map(|seed| format!("seed={seed}")));
     overrides.extend(args.force_weights.then(|| "predictor.force=true".to_owned()));
     let scenario = Scenario::load(&file, &overrides)?;
+    if !args.orders.forks.is_empty() {
+        return forked::run(&scenario, args);
+    }
     if args.headless {
         return headless(&scenario, args);
     }
-    let catalogue = catalogue(&file, &args.overrides.set);
+    let catalogue = catalogue(&file, &args.orders.set);
     let outputs = args.overwrite.outputs();
     outputs.protect(catalogue.iter().map(|known| &known.file));
     let served = serve(ServeOptions {
@@ -202,6 +209,15 @@ fn record(
     outputs: &Outputs,
 ) -> anyhow::Result<Option<Recorder>> {
     let Some(path) = &args.record else { return Ok(None) };
+    recorder(scenario, path, outputs).map(Some)
+}
+
+/// Starts a recording of `scenario` at `path`, and tells its name if it is another.
+pub(super) fn recorder(
+    scenario: &Scenario,
+    path: &Path,
+    outputs: &Outputs,
+) -> anyhow::Result<Recorder> {
     let info = scenario.recording_info(&scenario.tuning()?)?;
     outputs.protect(scenario.input_files());
     let file = outputs.recording(path, "--record")?;
@@ -209,11 +225,11 @@ fn record(
         note(renamed);
     }
     let recorder = Recorder::start(file, &info)?;
-    Ok(Some(recorder.for_flight_of(scenario.settings.planned_s())))
+    Ok(recorder.for_flight_of(scenario.settings.planned_s()))
 }
 
-fn print_report(out: &mut dyn Write, report: &Report) -> std::io::Result<()> {
-    let factor = report.real_time_factor.unwrap_or(0.0);
+pub(super) fn print_report(out: &mut dyn Write, report: &Report) -> std::io::Result<()> {
+    let factor = report.real_time_factor.map(|factor| format!(", {factor:.1} x real time"));
     writeln!(
         out,
         "{} (seed {}): {:?}: {}",
@@ -221,8 +237,11 @@ fn print_report(out: &mut dyn Write, report: &Report) -> std::io::Result<()> {
     )?;
     writeln!(
         out,
-        "  {:.1} s flown, {factor:.1} x real time, state hash {}, kernel {}",
-        report.flight_s, report.state_hash, report.kernel
+        "  {:.1} s flown{}, state hash {}, kernel {}",
+        report.flight_s,
+        factor.unwrap_or_default(),
+        report.state_hash,
+        report.kernel
     )?;
     for (name, value) in &report.metrics {
         writeln!(out, "  {name:28} {value:10.4}")?;

@@ -2,7 +2,9 @@
 
 mod signals;
 mod viewers;
+mod orders;
 mod fly;
+mod forked;
 mod mirror_beside;
 mod mirror_report;
 mod mirror;
@@ -50,6 +52,7 @@ const EXAMPLES: &str = "Examples:
   twin fly scenarios/b_500g_fast.toml           another scenario, live
   twin fly scenarios/a_300g_slow.toml --headless --json --record flight.mcap
   twin fly scenarios/hover.toml --headless --set gains.preset=paper --set wind.velocity_m_s=[3,0,0]
+  twin fly scenarios/hover.toml --headless --fork-at 4 --set payload.mass_kg=0.3    what if, from an instant on
   twin collect --out data                       flights to learn from: 0, 200, 400 g, and the 300 g test flight
   twin evaluate tracking --seeds 10             the tracking table beside the paper's
   twin test scenarios --junit out/j.xml         every scenario as a test: bounds, events, verdicts
@@ -184,6 +187,7 @@ impl Command {
             Self::Mirror(args) => args.json,
             Self::Train(args) => args.json,
             Self::Recover(args) => args.json,
+            Self::Compare(args) => args.json,
             Self::Diff(_) | Self::Info(_) | Self::Check(_) | Self::Viewers(_) | Self::Export(_) => {
                 false
             }

@@ -85,24 +85,16 @@ pub(super) fn parts(scenario: &Scenario) -> Result<Parts, BuildError> {
     let arm = arm(settings, &robot, &arm_joints)?;
     let start = start(settings, &arm, &robot, &arm_joints)?;
     let tuning = tuning(settings)?;
-    let gravity = || -> GravityModel {
-        let statics = Statics::new(&robot, &arm_joints);
-        Arc::new(move |chi: &Coords| statics.gravity(chi))
-    };
-    let predictor = failures::predictor(settings, predictor(scenario, &tuning, &gravity)?);
-    let scale = match settings.predictor.units {
-        Units::ZScore => predictor.info().scale,
-        Units::Physical => Coords::repeat(1.0),
-    };
+    let gravity_model = gravity(&robot, &arm_joints);
+    let gravity = || Arc::clone(&gravity_model);
+    let (predictor, adapter) = learners(scenario, &tuning, &gravity)?;
     let history_len = predictor.history_len().max(HISTORY_LEN);
-    let adapter = lra::Adapter::new(predictor.regime_len(), scale, &tuning.adapter);
     let weight_n = robot.total_mass_kg() * GRAVITY_M_S2;
     let setpoint = first_setpoint(&tuning.gains, &start, weight_n);
     let inner = inner_controller(settings, &robot, &arm_joints)?;
     let controller = controller(settings);
     let (mut schedule, triggers) = failures::schedule(settings)?;
     schedule.extend(settings.disturbances.iter().map(|d| (d.at_s, d.disturbance.clone())));
-    let gravity = gravity();
     let task = task(settings, arm);
     let source = SimulatedVehicle::new(robot, &objects, settings.plant(), &start, settings.seed)?;
     Ok(Parts {
@@ -112,7 +104,7 @@ pub(super) fn parts(scenario: &Scenario) -> Result<Parts, BuildError> {
         controller,
         inner,
         task,
-        gravity,
+        gravity: gravity_model,
         tuning,
         schedule,
         triggers,
@@ -121,6 +113,45 @@ pub(super) fn parts(scenario: &Scenario) -> Result<Parts, BuildError> {
         history_len,
         outer_divisor: u64::from(settings.controller.outer_divisor.max(1)),
     })
+}
+
+/// The predictor of a scenario and an adapter for it, as they are at the start of a flight.
+fn learners(
+    scenario: &Scenario,
+    tuning: &Tuning,
+    gravity: &dyn Fn() -> GravityModel,
+) -> Result<Learners, BuildError> {
+    let settings = &scenario.settings;
+    let predictor = failures::predictor(settings, predictor(scenario, tuning, gravity)?);
+    let scale = match settings.predictor.units {
+        Units::ZScore => predictor.info().scale,
+        Units::Physical => Coords::repeat(1.0),
+    };
+    let adapter = lra::Adapter::new(predictor.regime_len(), scale, &tuning.adapter);
+    Ok((predictor, adapter))
+}
+
+/// [`learners`] of a scenario of which nothing else is assembled.
+pub(super) fn learners_of(scenario: &Scenario) -> Result<Learners, BuildError> {
+    let robot = models(scenario)?.robot;
+    let joints = arm_joints(&scenario.settings, &robot)?;
+    let gravity = || gravity(&robot, &joints);
+    learners(scenario, &tuning(&scenario.settings)?, &gravity)
+}
+
+/// A predictor with its adapter.
+type Learners = (Box<dyn Predictor>, lra::Adapter);
+
+/// The gravity of the vehicle without payload.
+fn gravity(robot: &Robot, arm_joints: &[usize]) -> GravityModel {
+    let statics = Statics::new(robot, arm_joints);
+    Arc::new(move |chi: &Coords| statics.gravity(chi))
+}
+
+/// The word of a scenario file for a kind.
+pub(super) fn word(kind: &impl serde::Serialize) -> String {
+    let value = serde_json::to_value(kind).ok();
+    value.as_ref().and_then(serde_json::Value::as_str).unwrap_or_default().to_owned()
 }
 
 fn arm_joints(settings: &Settings, robot: &Robot) -> Result<Vec<usize>, BuildError> {
@@ -253,7 +284,7 @@ fn delays(settings: &Settings) -> LoopDelays {
     }
 }
 
-fn controller(settings: &Settings) -> Box<dyn Controller> {
+pub(super) fn controller(settings: &Settings) -> Box<dyn Controller> {
     let law: Box<dyn Controller> = match settings.controller.kind {
         ControllerKind::Adaptive => Box::new(Adaptive::default()),
         ControllerKind::Pid => Box::new(Pid::default()),

@@ -93,6 +93,7 @@ impl GoldenWriter {
 }
 
 /// Compares a flight with its golden run.
+#[derive(Clone)]
 pub(super) struct GoldenCheck {
     settings: GoldenSettings,
     rows: Vec<(f64, Vec<f64>)>,

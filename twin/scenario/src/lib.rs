@@ -22,8 +22,13 @@ mod failures;
 mod trained;
 mod mission;
 mod assemble;
+pub mod differences;
+mod changes;
 pub mod scene;
 pub mod run;
+mod judged;
+mod moved;
+pub mod fork;
 mod rehearsal;
 mod parallel;
 #[cfg(feature = "suite")]
@@ -45,6 +50,7 @@ pub use checks::Violation;
 pub use ending::Verdict;
 pub use file::ScenarioError;
 pub use json_schema::json_schema;
+pub use judged::{Judgement, Row, Values, side_by_side as metrics_side_by_side};
 pub use parallel::side_by_side;
 pub use run::{Assessor, Report, fly, fly_until_signal};
 pub use scene::ActuatorLimits;
@@ -55,7 +61,7 @@ pub use twin_core::control::Preset;
 use twin_core::flight::{Flight, Parts};
 use twin_core::residual::PredictorInfo;
 use twin_core::residual::weights::WeightsError;
-use twin_core::tuning::Tuning;
+use twin_core::tuning::{Parameter, Tuning};
 use twin_input::budget::URDF_BYTES;
 #[cfg(feature = "suite")]
 use twin_plant::model::Packages;
@@ -101,17 +107,37 @@ impl Scenario {
             file: file.to_owned(),
             settings,
         };
-        scenario.tuning().map_err(|error| ScenarioError::Value {
-            place: file.display().to_string(),
-            key: "gains".into(),
-            reason: error.to_string(),
-        })?;
-        demands::validate(&scenario.settings).map_err(|error| ScenarioError::Value {
-            place: file.display().to_string(),
-            key: error.key,
-            reason: error.reason,
-        })?;
+        scenario.checked()?;
+        changes::after_each(&scenario)?;
         Ok(scenario)
+    }
+
+    /// This scenario with `overrides` (`key=value` each) over its settings. Changes to come are not taken along.
+    ///
+    /// # Errors
+    /// [`ScenarioError`] naming the override, what was found and what is allowed.
+    pub fn with(&self, overrides: &[String]) -> Result<Self, ScenarioError> {
+        let settings = changes::without_changes(&self.settings);
+        let text = toml::to_string(&settings).map_err(|error| ScenarioError::Value {
+            place: self.file.display().to_string(),
+            key: "settings".into(),
+            reason: format!("cannot be written as TOML: {error}"),
+        })?;
+        let settings = file::read_text::<Settings>(&text, &self.file, DEFAULTS, overrides)?;
+        let scenario = Self { settings, ..self.clone() };
+        scenario.checked()?;
+        Ok(scenario)
+    }
+
+    /// Refuses gains out of range, and demands that cannot be judged.
+    fn checked(&self) -> Result<(), ScenarioError> {
+        let refused = |key: String, reason: String| ScenarioError::Value {
+            place: self.file.display().to_string(),
+            key,
+            reason,
+        };
+        self.tuning().map_err(|error| refused("gains".into(), error.to_string()))?;
+        demands::validate(&self.settings).map_err(|error| refused(error.key, error.reason))
     }
 
     /// The scenario that stands for a recording while `file` is mirrored: the defaults, which are not flown.
@@ -128,12 +154,40 @@ impl Scenario {
         Ok(Self { name: name.to_owned(), file: file.to_owned(), settings })
     }
 
+    /// This scenario with the gains of `tuning` written out; those beyond the range of a scenario stay as they are.
+    #[must_use]
+    pub fn with_gains(mut self, tuning: &Tuning) -> Self {
+        let allowed = |parameter: &Parameter| {
+            let value = tuning.get(&parameter.name)?;
+            parameter.quantity.allows(value).then_some(value)
+        };
+        let parameters = Tuning::parameters();
+        let row = |stem: &str| -> Option<Vec<f64>> {
+            let of = parameters
+                .iter()
+                .filter(|p| p.name.split_once('.').is_some_and(|(s, _)| s == stem));
+            of.map(allowed).collect()
+        };
+        let list = |stem: &str| row(stem)?.try_into().ok();
+        let scalars = parameters.iter().filter(|parameter| !parameter.name.contains('.'));
+        let named = scalars.filter_map(|p| Some((p.name.clone(), allowed(p)?)));
+        let gains = &mut self.settings.gains;
+        gains.inner_law = Some(tuning.gains.inner_law);
+        gains.slope = list("slope").or(gains.slope);
+        gains.damping = list("damping").or(gains.damping);
+        gains.lead = list("lead").or(gains.lead);
+        gains.scalars.extend(named);
+        self
+    }
+
     /// The flight at its first tick.
     ///
     /// # Errors
     /// [`BuildError`] if a model file is not usable or does not fit the scenario.
     pub fn build(&self) -> Result<Flight, BuildError> {
-        self.parts().map(Flight::new)
+        let mut flight = Flight::new(self.parts()?);
+        flight.set_alterations(changes::alterations(self)?);
+        Ok(flight)
     }
 
     /// The parts of the flight, for flying them with another source, predictor or task.
@@ -299,7 +353,16 @@ pub enum BuildError {
         /// What is wrong and how to correct it.
         reason: String,
     },
+    /// A change in the air is not possible.
+    #[error(transparent)]
+    Change(Box<ScenarioError>),
     /// A signal asked the program to end before the flight was over.
     #[error(transparent)]
     Interrupted(#[from] twin_input::interruption::Interrupted),
+}
+
+impl From<ScenarioError> for BuildError {
+    fn from(error: ScenarioError) -> Self {
+        Self::Change(Box::new(error))
+    }
 }

@@ -9,6 +9,7 @@ use super::golden::GoldenCheck;
 use super::metrics::Metrics;
 use super::settings::{Settings, TaskKind};
 use super::{BuildError, Judge, Scenario, Verdict, demands};
+use twin_core::flight::{Alteration, Flight};
 use twin_core::residual::PredictorInfo;
 use twin_core::tick::{Event, Tick};
 use twin_input::interruption::{self, Interrupted};
@@ -69,16 +70,53 @@ pub fn fly_until_signal(
     scenario: &Scenario,
     watch: &mut dyn FnMut(&Tick),
 ) -> Result<Report, BuildError> {
-    let mut flight = scenario.build()?;
-    let mut assessor = Assessor::new(scenario);
+    let mut run = Run::new(scenario)?;
     loop {
-        let tick = flight.tick();
-        let end = assessor.add(&tick).or_else(|| interrupted(&tick));
+        let (tick, end) = run.tick();
         watch(&tick);
         if let Some(end) = end {
-            let kernel = flight.predictor().info().kernel;
-            return Ok(Report { kernel, ..assessor.finish(end, flight.state_hash()) });
+            return Ok(run.finish(end));
         }
+    }
+}
+
+/// A flight with its assessment. A copy of it goes on by itself.
+#[derive(Clone)]
+pub struct Run {
+    flight: Flight,
+    assessor: Assessor,
+}
+
+impl Run {
+    /// The flight of `scenario` before its first tick.
+    ///
+    /// # Errors
+    /// [`BuildError`] if the flight cannot be assembled.
+    pub fn new(scenario: &Scenario) -> Result<Self, BuildError> {
+        Ok(Self { flight: scenario.build()?, assessor: Assessor::new(scenario) })
+    }
+
+    /// Number of the next tick.
+    pub fn index(&self) -> u64 {
+        self.flight.index()
+    }
+
+    /// Flies a tick; the second result is the verdict and its sentence once the flight is over, or once a signal asks the program to end.
+    pub fn tick(&mut self) -> (Tick, Option<(Verdict, String)>) {
+        let tick = self.flight.tick();
+        let end = self.assessor.add(&tick).or_else(|| interrupted(&tick));
+        (tick, end)
+    }
+
+    /// Replaces the alterations to come, see [`Flight::set_alterations`].
+    pub fn set_alterations(&mut self, all: Vec<(f64, Alteration)>) {
+        self.flight.set_alterations(all);
+    }
+
+    /// The report on the flight, which ended with this verdict and sentence.
+    pub fn finish(self, end: (Verdict, String)) -> Report {
+        let kernel = self.flight.predictor().info().kernel;
+        Report { kernel, ..self.assessor.finish(end, self.flight.state_hash()) }
     }
 }
 
@@ -89,6 +127,7 @@ fn interrupted(tick: &Tick) -> Option<(Verdict, String)> {
 }
 
 /// Assesses a flight tick by tick and reports the result at its end.
+#[derive(Clone)]
 pub struct Assessor {
     scenario: String,
     settings: Settings,

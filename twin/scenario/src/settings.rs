@@ -57,6 +57,9 @@ pub struct Settings {
     /// Failures of the vehicle's parts at given times.
     #[serde(default)]
     pub faults: Vec<ScheduledFailure>,
+    /// Keys that change in the air, earliest first.
+    #[serde(default)]
+    pub changes: Vec<Changed>,
     /// Limits on metrics of the whole flight.
     #[serde(default)]
     pub bounds: BTreeMap<String, Bound>,
@@ -333,6 +336,16 @@ pub struct ScheduledFailure {
     /// The failure.
     #[serde(flatten)]
     pub failure: Failure,
+}
+
+/// Keys that change in the air.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Changed {
+    /// Time of the change, s: it acts from the first tick at or after it.
+    pub at_s: f64,
+    /// The changed keys, `key=value` each, as after `--set`.
+    pub set: Vec<String>,
 }
 
 /// Limits of one metric.

@@ -60,6 +60,7 @@ pub(crate) fn validate(checks: &[EventCheck]) -> Result<(), CheckError> {
 }
 
 /// The events so far, and the checks on them.
+#[derive(Clone)]
 pub(super) struct Events {
     checks: Vec<EventCheck>,
     /// Sentences of the disturbances that must happen, each exactly so.

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 pub use events::EventCheck;
 pub(super) use events::validate as validate_events;
-pub use signals::names as signal_names;
+pub use signals::{Read, find as reader, names as signal_names};
 pub use statistic::Statistic;
 
 use events::Events;
@@ -115,12 +115,14 @@ pub(super) fn validate(checks: &[Check]) -> Result<(), CheckError> {
 }
 
 /// The state of the checks of one flight.
+#[derive(Clone)]
 pub struct Checks {
     windows: Vec<Window>,
     events: Events,
     last_s: f64,
 }
 
+#[derive(Clone)]
 struct Window {
     check: Check,
     read: signals::Read,

@@ -5,7 +5,7 @@ use twin_core::notation::{Coords, tracking_error};
 use twin_core::tick::Tick;
 
 /// Reads a signal; `None` where the tick does not have it.
-pub(super) type Read = fn(&Tick) -> Option<f64>;
+pub type Read = fn(&Tick) -> Option<f64>;
 
 const SIGNALS: &[(&str, Read)] = &[
     ("position_error_m", |tick| Some(error(tick).fixed_rows::<3>(0).norm())),
@@ -53,7 +53,8 @@ pub fn names() -> impl Iterator<Item = &'static str> {
     SIGNALS.iter().map(|(name, _)| *name)
 }
 
-pub(super) fn find(name: &str) -> Option<Read> {
+/// How the signal `name` is read; `None` if there is none of that name.
+pub fn find(name: &str) -> Option<Read> {
     SIGNALS.iter().find(|(known, _)| *known == name).map(|(_, read)| *read)
 }
 

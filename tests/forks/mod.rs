@@ -1,0 +1,3 @@
+//! Forks of flights.
+
+mod library;
