@@ -1,3 +1,4 @@
-//! Forks of flights.
+//! Forks of flights, and recordings compared.
 
 mod library;
+mod program;

@@ -17,6 +17,7 @@ mod evaluate;
 mod train;
 mod collect;
 mod diff;
+mod compare;
 mod recover;
 mod export_csv;
 mod export_html;
@@ -57,6 +58,7 @@ const EXAMPLES: &str = "Examples:
   twin evaluate tracking --seeds 10             the tracking table beside the paper's
   twin test scenarios --junit out/j.xml         every scenario as a test: bounds, events, verdicts
   twin diff a.mcap b.mcap                       where two recorded flights differ
+  twin compare a.mcap b.mcap --html ab.html     metrics, curves and settings of flights side by side
   twin export html flight.mcap                  one page of a recorded flight, for any browser
   twin export viser flight.mcap -o flight.viser the flight for viser; `twin export meshcat` for MeshCat
   twin mirror flight.mcap --headless --json     a real flight through the loop in shadow
@@ -85,6 +87,8 @@ enum Command {
     Test(test::TestArgs),
     /// Compare two recordings: the first tick and channel that differ, and the largest differences.
     Diff(diff::DiffArgs),
+    /// Compare two to six recordings: metrics, signals and settings side by side, aligned in time.
+    Compare(compare::CompareArgs),
     /// Mirror a real flight: read it from MCAP and run the loop beside it in shadow, which predicts and adapts but never acts.
     Mirror(mirror::MirrorArgs),
     /// List the content of an MCAP file and its defects.
@@ -240,6 +244,7 @@ fn run(command: &Command) -> anyhow::Result<End> {
         Command::Evaluate(args) => evaluate::run(args),
         Command::Test(args) => test::run_tests(args),
         Command::Diff(args) => diff::run(args),
+        Command::Compare(args) => compare::run(args),
         Command::Mirror(args) => mirror::run(args),
         Command::Info(args) => info::run(args),
         Command::Export(Export::Html(args)) => export_html::run(args),

@@ -3,3 +3,4 @@
 mod ridge;
 pub mod learn;
 pub mod evaluate;
+pub mod compare;
