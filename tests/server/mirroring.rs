@@ -6,6 +6,7 @@ use serde_json::Value;
 use super::console::{Arrival, Console, Frame, http};
 use crate::mirror::made::{Form, PLAIN, file, flight};
 use twin_console::server::{Limits, MirrorOptions, Running, spawn_mirror};
+use twin_core::notation::GRAVITY_M_S2;
 use twin_foreign::OpenedFlight;
 
 fn mirror(name: &str, form: Form, start_paused: bool) -> Running {
@@ -76,6 +77,11 @@ fn a_recording_says_what_it_is_and_shows_unknown_rows_as_unknown() {
     assert!(info["stand_in"].as_str().expect("text").contains("plain quadrotor"));
     assert_eq!(info["unknown_rows"], serde_json::json!(["phi", "theta", "psi", "q1", "q2"]));
     assert!((info["duration_s"].as_f64().expect("a number") - 20.0).abs() < 0.1);
+    // Nobody gave a mass, so the forces are those on one kilogram, and so is the weight in them.
+    assert_eq!(info["per_kilogram"], true);
+    let residual = &hello["channels"][channel(&hello, "residual.z")];
+    assert_eq!((&residual["unit"], &residual["weight"]), (&"N/kg".into(), &GRAVITY_M_S2.into()));
+    assert_eq!(hello["channels"][channel(&hello, "residual.phi")]["unit"], "N m");
     console.send(r#"{"type":"seek","t_s":10}"#);
     let sought = console.message("hello");
     let (row, frames) = rows_to(&mut console, &sought["schema_id"], 1000);
@@ -121,6 +127,30 @@ fn a_moment_looks_the_same_however_one_comes_to_it() {
     assert_ne!(hello["schema_id"], first["schema_id"]);
     console.send(r#"{"type":"step","ticks":3}"#);
     console.message_that("state", |state| state["tick"] == 1504 && state["phase"] == "paused");
+}
+
+#[test]
+fn a_seek_keeps_the_phases_at_the_times_at_which_they_began() {
+    let hole = Form { hole_s: Some((6.0, 9.0)), ..PLAIN };
+    let running = mirror("phases.mcap", hole, true);
+    let mut console = Console::connect(running.address());
+    let phases = console.message("hello")["mirror"]["phases"].clone();
+    let times: Vec<f64> =
+        phases.as_array().expect("a list").iter().filter_map(|p| p["t_s"].as_f64()).collect();
+    let [.., lost, found] = times[..] else { panic!("the hole makes two phases: {phases}") };
+    assert!(5.0 < lost && lost < 7.0 && 8.5 < found && found < 9.5, "{times:?}");
+    // The run-up of ten seconds begins after the last phase.
+    console.send(r#"{"type":"seek","t_s":19.8}"#);
+    let sought = console.message("hello");
+    assert_eq!(sought["events"], phases);
+    let said = loop {
+        match console.next() {
+            Arrival::Json(message) if message["type"] == "events" => break Some(message),
+            Arrival::Frame(frame) if frame.after() > 1980 => break None,
+            _ => {}
+        }
+    };
+    assert_eq!(said, None, "no phase begins at a seek");
 }
 
 #[test]

@@ -304,6 +304,7 @@ fn fly(
 fn recording_info(opened: &OpenedFlight, shadow: &Shadow) -> anyhow::Result<RecordingInfo> {
     Ok(RecordingInfo {
         mirrored: true,
+        per_kilogram: opened.per_kilogram(),
         scenario: format!("mirror of {}", opened.name()),
         scenario_toml: String::new(),
         seed: 0,

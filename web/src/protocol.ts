@@ -251,7 +251,15 @@ live: boolean,
 /**
  * What was found wrong or left out, a sentence each.
  */
-notes: Array<string>, };
+notes: Array<string>, 
+/**
+ * The mass is unknown, so that forces are per kilogram.
+ */
+per_kilogram: boolean, 
+/**
+ * The phases of the whole recording as events, oldest first; empty if they are not known before they are played.
+ */
+phases: Array<EventInfo>, };
 
 /**
  * A scenario that can be flown.
@@ -297,7 +305,11 @@ limits: [number, number] | null,
 /**
  * Residuals divided by this are z-scores, in the unit of the channel.
  */
-z_scale: number | null, };
+z_scale: number | null, 
+/**
+ * Known weight of the vehicle that is part of the value, in the unit of the channel; charts leave it out.
+ */
+weight: number | null, };
 
 /**
  * One value an operator may change.

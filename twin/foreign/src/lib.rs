@@ -67,7 +67,7 @@ pub use opened::{OpenError, OpenedFlight};
 pub use playback::RecordedSource;
 pub use recorded::{MirrorError, RecordedFlight};
 pub use replayed::recorded_nominal_inertia;
-pub use shadow::{Shadow, ShadowReport, shadow};
+pub use shadow::{Phase, Shadow, ShadowReport, shadow};
 pub use stand_in::stand_in;
 pub use survey::Survey;
 pub use table::Input;

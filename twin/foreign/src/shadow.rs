@@ -73,6 +73,24 @@ pub struct Shadow {
     scale: Coords,
     tuning: Tuning,
     forecaster: Forecaster,
+    /// The phases of the whole recording; empty if it is read while it is flown.
+    phases: Vec<Phase>,
+}
+
+/// Stretch of a recording in which the residual is known in some coordinate, or in none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Phase {
+    /// Its first tick.
+    pub first: usize,
+    /// Whether the residual is known.
+    pub known: bool,
+}
+
+impl Phase {
+    /// One sentence for people.
+    pub const fn text(self) -> &'static str {
+        if self.known { MIRRORED } else { UNKNOWN }
+    }
 }
 
 impl Shadow {
@@ -82,7 +100,7 @@ impl Shadow {
         let inertia_kg_m2 = opened.map.vehicle.inertia_kg_m2;
         let whole = Self::new(&opened.recorded, inertia_kg_m2);
         let Some(parts) = &opened.long else { return whole };
-        Self { playback: Arc::new(Playback::of(parts)), ..whole }
+        Self { playback: Arc::new(Playback::of(parts)), phases: Vec::new(), ..whole }
     }
 
     /// A shadow of `recorded`; `inertia_kg_m2` is the inertia about the body axes if it is known.
@@ -101,7 +119,8 @@ impl Shadow {
         let playback = Arc::new(Playback::whole(recorded));
         let scale = scale(&playback, &gains.nominal_inertia);
         let tuning = Tuning { gains, adapter: lra::Settings::default() };
-        Self { playback, nominal, scale, tuning, forecaster: Forecaster::default() }
+        let phases = phases(&playback);
+        Self { playback, nominal, scale, tuning, forecaster: Forecaster::default(), phases }
     }
 
     /// The same shadow with another predictor.
@@ -113,6 +132,21 @@ impl Shadow {
     /// What predicts.
     pub fn forecaster(&self) -> &Forecaster {
         &self.forecaster
+    }
+
+    /// The phases of the recording in their order; empty if they are not known before it is flown.
+    pub fn phases(&self) -> &[Phase] {
+        &self.phases
+    }
+
+    /// The phase before tick `first`; `None` at the start, and if it is not known.
+    fn phase_before(&self, first: usize) -> Option<Phase> {
+        self.phases.iter().copied().take_while(|phase| phase.first < first).last()
+    }
+
+    /// Weight of the vehicle, N; for a vehicle of unknown mass that of one kilogram.
+    pub fn weight(&self) -> f64 {
+        self.nominal[2]
     }
 
     /// Number of ticks of the recording.
@@ -250,6 +284,19 @@ fn scale(playback: &Arc<Playback>, nominal_inertia: &Coords) -> Coords {
     })
 }
 
+/// The phases of a recording, from the knowledge of its residual at each tick.
+fn phases(playback: &Arc<Playback>) -> Vec<Phase> {
+    let mut cursor = Cursor::new(playback);
+    let mut phases: Vec<Phase> = Vec::new();
+    for first in 0..playback.ticks() {
+        let known = cursor.frame(first).is_some_and(|m| m.residual_known().contains(&true));
+        if phases.last().is_none_or(|last| last.known != known) {
+            phases.push(Phase { first, known });
+        }
+    }
+    phases
+}
+
 /// Task that flies nothing: its reference is the expected pose, and it freezes the adapter while no residual is known.
 #[derive(Clone)]
 struct Watch {
@@ -282,7 +329,7 @@ impl Watch {
             nominal_residual: shadow.nominal,
             nominal_inertia: shadow.tuning.gains.nominal_inertia,
             residual: LowPass::new(),
-            held: None,
+            held: shadow.phase_before(first).map(|phase| !phase.known),
             starts: VecDeque::new(),
         }
     }
@@ -323,8 +370,8 @@ impl Task for Watch {
     fn update(&mut self, view: &View<'_>, _dt_s: f64) -> Step {
         let held = !view.residual.is_any_known();
         self.next += 1;
-        let text = if held { UNKNOWN } else { MIRRORED };
-        let news = (self.held != Some(held)).then(|| Event::new(EventKind::Phase, text));
+        let phase = Phase { first: self.next - 1, known: !held };
+        let news = (self.held != Some(held)).then(|| Event::new(EventKind::Phase, phase.text()));
         self.held = Some(held);
         let (chi_des, chi_des_dot) = self.ghost(view);
         Step {

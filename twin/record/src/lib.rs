@@ -39,5 +39,5 @@ pub use output::{OutputError, Outputs, RecordingFile};
 pub use recorder::{Recorder, Written};
 #[cfg(feature = "files")]
 pub use recording::{Recording, RecordingError, read_recording, read_ticks};
-pub use recording_info::{MIRRORED, RecordingEnd, RecordingInfo};
+pub use recording_info::{MIRRORED, PER_KILOGRAM, RecordingEnd, RecordingInfo};
 pub use recording_status::{RecordingState, RecordingStatus};

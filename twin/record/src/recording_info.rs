@@ -10,6 +10,9 @@ use crate::scene::Scene;
 /// Key in the metadata of a mirrored flight. The unknown numbers of such a recording are written as `null`.
 pub const MIRRORED: &str = "mirrored";
 
+/// Key in the metadata of a mirrored flight whose mass is unknown: its forces are per kilogram.
+pub const PER_KILOGRAM: &str = "forces_per_kilogram";
+
 /// The metadata that is written at the start of a flight.
 #[derive(Clone, Debug)]
 pub struct RecordingInfo {
@@ -35,6 +38,8 @@ pub struct RecordingInfo {
     pub joint_names: Vec<String>,
     /// The flight is mirrored: a number that is not finite in its ticks is unknown, and not a fault.
     pub mirrored: bool,
+    /// The mass is unknown, and forces are per kilogram.
+    pub per_kilogram: bool,
 }
 
 /// The metadata that only the end of a flight gives.
@@ -50,7 +55,9 @@ pub struct RecordingEnd {
 impl RecordingInfo {
     /// The metadata written at the start.
     pub(super) fn metadata(&self) -> BTreeMap<String, String> {
-        let mirrored = self.mirrored.then(|| (MIRRORED.to_owned(), "true".to_owned()));
+        let flags = [(MIRRORED, self.mirrored), (PER_KILOGRAM, self.per_kilogram)];
+        let flags = flags.into_iter().filter(|(_, yes)| *yes);
+        let flags = flags.map(|(key, _)| (key.to_owned(), "true".to_owned()));
         let said = [
             ("scenario", self.scenario.clone()),
             ("seed", self.seed.to_string()),
@@ -63,6 +70,6 @@ impl RecordingInfo {
             ("joints", serde_json::json!(self.joint_names).to_string()),
         ]
         .map(|(key, value)| (key.to_owned(), value));
-        said.into_iter().chain(mirrored).collect()
+        said.into_iter().chain(flags).collect()
     }
 }

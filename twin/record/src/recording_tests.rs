@@ -26,6 +26,7 @@ fn info() -> RecordingInfo {
         scene: fixture::scene(),
         joint_names: vec!["joint1".to_owned(), "joint2".to_owned()],
         mirrored: false,
+        per_kilogram: false,
     }
 }
 

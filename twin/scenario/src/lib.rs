@@ -46,7 +46,7 @@ pub mod suite;
 
 use std::path::{Path, PathBuf};
 
-pub use checks::Violation;
+pub use checks::{Check, Violation, limited_signal};
 pub use ending::Verdict;
 pub use file::ScenarioError;
 pub use json_schema::json_schema;
@@ -59,6 +59,7 @@ pub use verdict::Judge;
 
 pub use twin_core::control::Preset;
 use twin_core::flight::{Flight, Parts};
+use twin_core::notation::GRAVITY_M_S2;
 use twin_core::residual::PredictorInfo;
 use twin_core::residual::weights::WeightsError;
 use twin_core::tuning::{Parameter, Tuning};
@@ -206,6 +207,14 @@ impl Scenario {
         Ok(assemble::models(self)?.robot)
     }
 
+    /// Weight of the vehicle without payload, N.
+    ///
+    /// # Errors
+    /// [`BuildError`] if a model file is not usable.
+    pub fn weight_n(&self) -> Result<f64, BuildError> {
+        Ok(self.robot()?.total_mass_kg() * GRAVITY_M_S2)
+    }
+
     /// The values of a preset in this scenario.
     pub fn preset_tuning(&self, preset: Preset) -> Tuning {
         assemble::preset_tuning(&self.settings, preset)
@@ -295,6 +304,7 @@ impl Scenario {
         };
         Ok(RecordingInfo {
             mirrored: false,
+            per_kilogram: false,
             scenario: self.name.clone(),
             scenario_toml: toml::to_string(&self.settings)
                 .map_err(|e| unwritable("scenario")(&e))?,

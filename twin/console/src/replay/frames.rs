@@ -8,6 +8,7 @@ use base64::engine::general_purpose::STANDARD;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 
+use super::spectra::Spectra;
 use crate::server::channels::{Channels, RowSource};
 use crate::server::telemetry::{Picture, Telemetry};
 use twin_core::tick::Tick;
@@ -24,19 +25,25 @@ pub(super) fn frames(
     tuning: &Tuning,
     ticks: &[Tick],
 ) -> Vec<Vec<u8>> {
+    let mut spectra = Spectra::new(&tuning.adapter);
     let unbroken = ticks.chunk_by(|a, b| b.index == a.index + 1);
     let parts = unbroken.flat_map(|part| part.chunks(FRAME_TICKS));
     parts
         .filter_map(|part| {
             let (first, last) = (part.first()?, part.last()?);
-            let row = |tick| channels.row(&RowSource { tick, tuning, spectrum: &[] });
+            let mut spectrum: &[f64] = &[];
+            let mut rows = Vec::with_capacity(part.len());
+            for tick in part {
+                spectrum = spectra.at(tick);
+                rows.push(channels.row(&RowSource { tick, tuning, spectrum }));
+            }
             let frame = Telemetry {
                 schema_id: super::SCHEMA_ID,
                 first_tick: first.index,
-                rows: part.iter().map(row).collect(),
+                rows,
                 gap: 0,
                 reset: false,
-                picture: Arc::new(Picture::new(scene, last, &[])),
+                picture: Arc::new(Picture::new(scene, last, spectrum)),
             };
             Some(frame.encode(0.0))
         })

@@ -3,7 +3,9 @@
 //! In: a [`Recording`]. Out: HTML with script, style and flight inside. The page judges the ticks again by the scenario in the
 //! recording, so it knows which demand failed first and opens there. State: none.
 
+mod spectra;
 mod frames;
+mod broken;
 mod assets;
 mod viewers;
 
@@ -24,7 +26,7 @@ use twin_core::tick::Tick;
 use twin_core::tuning::Tuning;
 use twin_input::interruption;
 use twin_record::scene::Scene;
-use twin_record::{Recording, RecordingError, read_recording};
+use twin_record::{PER_KILOGRAM, Recording, RecordingError, read_recording};
 use twin_scenario::file::read_recorded;
 use twin_scenario::{ActuatorLimits, Assessor, DEFAULTS, Report, Scenario, Settings};
 
@@ -70,6 +72,8 @@ pub struct Failure {
     pub at_s: f64,
     /// One sentence: the demand, the value found and the value allowed.
     pub text: String,
+    /// Names of the channels that show it: the signal, then its limits; none if the demand limits no number of a tick.
+    pub channels: Vec<String>,
 }
 
 /// The description of the flight, which `web/src/replay/flight.ts` reads.
@@ -106,27 +110,57 @@ pub fn page(recording: &Recording, report: Option<&Report>) -> Result<(String, f
     let scene: Scene = json_part(recording.attachments.get("scene.json"), "scene.json")?;
     let gains = recording.metadata.get("gains").map(String::as_bytes);
     let tuning: Tuning = json_part(gains, "gains")?;
-    let limits = recording.metadata.get("actuator_limits").map(String::as_bytes);
     let mirrored = recording.is_mirrored();
     let scenario = if mirrored { of_recording(recording)? } else { scenario(recording)? };
     // No scenario makes demands on a mirrored flight.
     let judged = || (!mirrored).then(|| judged(&scenario, &recording.ticks)).flatten();
     let report = report.cloned().or_else(judged);
-    // A recording without information about the predictor is old; its predictor had no network.
-    let predictor = recording.metadata.get("predictor").map(String::as_str).unwrap_or_default();
-    let predictor: PredictorInfo = serde_json::from_str(predictor).unwrap_or_default();
-    let channels = if mirrored {
-        Channels::mirrored(scene.rotors.len(), &predictor.scale)
-    } else {
-        let limits: ActuatorLimits = json_part(limits, "actuator_limits")?;
-        Channels::new(scene.rotors.len(), &limits, &predictor)
-    };
+    let mut channels = channels(recording, scene.rotors.len())?;
+    let failures = failures(report.as_ref(), &scenario.settings, &mut channels);
     let flown = frames::frames(&scene, &channels, &tuning, &recording.ticks);
-    let head = head(recording, &scenario, report, scene, &channels);
+    let head = head(recording, &scenario, report, failures, (scene, &channels));
     let opens_at_s = head.opens_at_s;
     let head = serde_json::to_vec(&head).map_err(std::io::Error::from)?;
     let flight = frames::packed(&head, &flown)?;
     Ok((assets::filled(&scenario.name, &flight)?, opens_at_s))
+}
+
+/// The channels of the flight.
+fn channels(recording: &Recording, rotors: usize) -> Result<Channels, ReplayError> {
+    // A recording without information about the predictor is old; its predictor had no network.
+    let predictor = recording.metadata.get("predictor").map(String::as_str).unwrap_or_default();
+    let predictor: PredictorInfo = serde_json::from_str(predictor).unwrap_or_default();
+    let channels = if recording.is_mirrored() {
+        Channels::mirrored(rotors, &predictor.scale)
+            .per_kilogram(recording.metadata.contains_key(PER_KILOGRAM))
+    } else {
+        let limits = recording.metadata.get("actuator_limits").map(String::as_bytes);
+        let limits: ActuatorLimits = json_part(limits, "actuator_limits")?;
+        Channels::new(rotors, &limits, &predictor)
+    };
+    Ok(channels.with_weight(weight(recording)))
+}
+
+/// Weight of the vehicle, in the unit of its forces: the simulation knows it, and of a real vehicle it is the forecast of its predictor.
+/// `None` if the recording has neither.
+fn weight(recording: &Recording) -> Option<f64> {
+    let of_budget = |tick: &Tick| Some(tick.truth.as_ref()?.budget.as_ref()?.gravity.z.abs());
+    let of_forecast = |tick: &Tick| tick.forecast.base.first()?.get(2);
+    let mut ticks = recording.ticks.iter();
+    if recording.is_mirrored() { ticks.find_map(of_forecast) } else { ticks.find_map(of_budget) }
+}
+
+/// The demands that the flight did not meet, earliest first. Their signals and limits become channels.
+fn failures(report: Option<&Report>, settings: &Settings, channels: &mut Channels) -> Vec<Failure> {
+    let broken = report.into_iter().flat_map(|report| &report.broken);
+    let failure = |broken: &twin_scenario::Violation| Failure {
+        at_s: broken.at_s,
+        text: broken.to_string(),
+        channels: broken::channels_of(broken, settings, channels),
+    };
+    let mut failures: Vec<Failure> = broken.map(failure).collect();
+    failures.sort_by(|a, b| a.at_s.total_cmp(&b.at_s));
+    failures
 }
 
 fn json_part<T: serde::de::DeserializeOwned>(
@@ -170,8 +204,8 @@ fn head(
     recording: &Recording,
     scenario: &Scenario,
     report: Option<Report>,
-    scene: Scene,
-    channels: &Channels,
+    failures: Vec<Failure>,
+    (scene, channels): (Scene, &Channels),
 ) -> Head {
     let said = |key: &str| recording.metadata.get(key).cloned().unwrap_or_default();
     let cut = || match recording.metadata.get("verdict") {
@@ -180,8 +214,6 @@ fn head(
     };
     let (verdict, reason) =
         report.as_ref().map_or_else(cut, |r| (r.verdict.to_string(), r.reason.clone()));
-    let mut failures: Vec<Failure> = report.iter().flat_map(|r| &r.broken).map(failure).collect();
-    failures.sort_by(|a, b| a.at_s.total_cmp(&b.at_s));
     let start_s = recording.ticks.first().map_or(0.0, |tick| tick.measurement.t_s);
     let hello = hello(scenario, scene, channels, &recording.ticks, (&verdict, &reason));
     Head {
@@ -196,10 +228,6 @@ fn head(
         reason,
         failures,
     }
-}
-
-fn failure(broken: &twin_scenario::Violation) -> Failure {
-    Failure { at_s: broken.at_s, text: broken.to_string() }
 }
 
 fn hello(

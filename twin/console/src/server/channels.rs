@@ -2,6 +2,7 @@
 
 mod foresight;
 mod world;
+mod of_flight;
 
 use std::sync::Arc;
 
@@ -124,6 +125,7 @@ impl Builder {
             row: None,
             limits: None,
             z_scale: None,
+            weight: None,
         })
     }
 

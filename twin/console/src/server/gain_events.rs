@@ -40,13 +40,15 @@ impl GainEvents {
         Some(sentence(name, from, to))
     }
 
-    /// Texts of the events of all gains that have come to rest before `tick`; forgets gains without recent changes.
+    /// Texts of the events of all gains that have come to rest before `tick`, each with the first tick that flew with the value; forgets
+    /// gains without recent changes.
     pub(super) fn settle(&mut self, tick: u64) -> Vec<String> {
         let mut said = Vec::new();
         for (name, entry) in &mut self.entries {
             let rests = tick.saturating_sub(entry.changed_at) >= REST_TICKS;
             if rests && entry.now.to_bits() != entry.told.to_bits() {
-                said.push(sentence(name, entry.told, entry.now));
+                let since = entry.changed_at;
+                said.push(format!("{} since tick {since}", sentence(name, entry.told, entry.now)));
                 (entry.told, entry.told_at) = (entry.now, tick);
             }
         }
@@ -90,7 +92,7 @@ mod tests {
             }
             said.extend(gain_events.settle(tick));
         }
-        assert_eq!(said, ["Λ z (damping.z) 3.5 -> 3.6", "Λ z (damping.z) 3.6 -> 8.5"]);
+        assert_eq!(said, ["Λ z (damping.z) 3.5 -> 3.6", "Λ z (damping.z) 3.6 -> 8.5 since tick 98"]);
         assert_eq!(gain_events, GainEvents::default(), "a gain at rest is forgotten");
     }
 

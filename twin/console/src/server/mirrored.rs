@@ -3,13 +3,14 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use crate::server::protocol::{ClientMessage, MirrorInfo, TwinAxis, TwinInfo};
+use crate::server::protocol::{ClientMessage, EventInfo, MirrorInfo, TwinAxis, TwinInfo};
 use twin_core::notation::{COORDINATE_NAMES, TICK_S};
+use twin_core::tick::EventKind;
 use twin_foreign::divergence::HORIZONS;
 use twin_foreign::gate;
 use twin_foreign::shadow::GHOST_TICKS;
 use twin_foreign::shadow_score::Score;
-use twin_foreign::{Flyer, Light, Shadow, Twin};
+use twin_foreign::{Flyer, Light, Phase, Shadow, Twin};
 use twin_foreign::{Forecaster, Live, OpenedFlight};
 
 /// Number of ticks that a seek flies before its target: the adapter forgets within a second, and the charts show a past.
@@ -81,6 +82,8 @@ impl Mirrored {
             duration_s: shadow.ticks() as f64 * TICK_S,
             live: live.is_some(),
             notes: [&opened.survey.container.problems[..], &opened.signals.notes[..]].concat(),
+            per_kilogram: opened.per_kilogram(),
+            phases: shadow.phases().iter().map(event).collect(),
         };
         Self { info, shadow, flyer, name: opened.name(), path: opened.path.clone(), live }
     }
@@ -140,12 +143,27 @@ impl Mirrored {
         ((t_s / TICK_S).round().max(0.0) as usize).min(last)
     }
 
+    /// The events of the phases that began before tick `first`, oldest first.
+    pub(super) fn phases_before(&self, first: u64) -> impl Iterator<Item = EventInfo> + '_ {
+        self.info.phases.iter().take_while(move |phase| phase.tick < first).cloned()
+    }
+
     /// The tick at which a seek to `t_s` starts, and the number of ticks to fly before the target is shown. At least one tick is flown, so
     /// that there is a picture.
     pub(super) fn run_up(&self, t_s: f64) -> (usize, usize) {
         let target = self.tick_at(t_s);
         let first = target.saturating_sub(WARM_UP_TICKS);
         (first, target - first + 1)
+    }
+}
+
+/// The event of a phase.
+fn event(phase: &Phase) -> EventInfo {
+    EventInfo {
+        tick: phase.first as u64,
+        t_s: phase.first as f64 * TICK_S,
+        kind: EventKind::Phase,
+        text: phase.text().to_owned(),
     }
 }
 

@@ -200,6 +200,10 @@ pub struct MirrorInfo {
     pub live: bool,
     /// What was found wrong or left out, a sentence each.
     pub notes: Vec<String>,
+    /// The mass is unknown, so that forces are per kilogram.
+    pub per_kilogram: bool,
+    /// The phases of the whole recording as events, oldest first; empty if they are not known before they are played.
+    pub phases: Vec<EventInfo>,
 }
 
 /// A scenario that can be flown.
@@ -228,6 +232,8 @@ pub struct ChannelInfo {
     pub limits: Option<[f64; 2]>,
     /// Residuals divided by this are z-scores, in the unit of the channel.
     pub z_scale: Option<f64>,
+    /// Known weight of the vehicle that is part of the value, in the unit of the channel; charts leave it out.
+    pub weight: Option<f64>,
 }
 
 /// One value an operator may change.

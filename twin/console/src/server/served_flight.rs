@@ -7,7 +7,7 @@ use crate::server::channels::{Channels, RowSource};
 use crate::server::gains::GainPresets;
 use crate::server::mirrored::{self, Mirrored};
 use crate::server::pace::Lateness;
-use crate::server::protocol::{FlightPhase, GainInfo, ScenarioInfo, StateInfo};
+use crate::server::protocol::{EventInfo, FlightPhase, GainInfo, ScenarioInfo, StateInfo};
 use crate::server::published::Published;
 use crate::server::telemetry::Picture;
 use crate::server::world::World;
@@ -78,7 +78,8 @@ impl ServedFlight {
                 scene.rotors.len(),
                 &scenario.actuator_limits()?,
                 &flight.predictor().info(),
-            ),
+            )
+            .with_weight(Some(scenario.weight_n()?)),
             mirrored: None,
             score: None,
             world: World::new(&scenario.settings),
@@ -113,7 +114,9 @@ impl ServedFlight {
         Ok(Self {
             judge: Judge::new(&scenario.settings),
             presets: GainPresets::new(&scenario, flight.tuning()),
-            channels: Channels::mirrored(scene.rotors.len(), mirrored.shadow.scale()),
+            channels: Channels::mirrored(scene.rotors.len(), mirrored.shadow.scale())
+                .with_weight(Some(mirrored.shadow.weight()))
+                .per_kilogram(mirrored.info.per_kilogram),
             mirrored: Some(Arc::clone(mirrored)),
             score: Some(Score::new(*mirrored.shadow.scale())),
             world: World::new(&scenario.settings),
@@ -169,8 +172,14 @@ impl ServedFlight {
             base: self.presets.base(),
             state,
             lateness: Lateness::default(),
-            events: VecDeque::new(),
+            events: self.earlier_events(),
         }
+    }
+
+    /// The events before the first tick: a mirrored flight may start in the middle of its recording.
+    fn earlier_events(&self) -> VecDeque<EventInfo> {
+        let mirrored = self.mirrored.iter();
+        mirrored.flat_map(|mirrored| mirrored.phases_before(self.next_tick)).collect()
     }
 
     /// Gains that a client can change; in a mirrored flight those of the adapter only.

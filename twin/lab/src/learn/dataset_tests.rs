@@ -13,6 +13,7 @@ fn record(path: &Path, ticks: &[Tick], inertia: f64) {
     let m_bar = vec![inertia.to_string(); 8].join(",");
     let info = RecordingInfo {
         mirrored: false,
+        per_kilogram: false,
         scenario: "unit".to_owned(),
         scenario_toml: String::new(),
         seed: 7,

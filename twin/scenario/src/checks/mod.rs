@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 pub use events::EventCheck;
 pub(super) use events::validate as validate_events;
-pub use signals::{Read, find as reader, names as signal_names};
+pub use signals::{Read, find as reader, limited_signal, names as signal_names};
 pub use statistic::Statistic;
 
 use events::Events;

@@ -7,6 +7,16 @@ use twin_core::tick::Tick;
 /// Reads a signal; `None` where the tick does not have it.
 pub type Read = fn(&Tick) -> Option<f64>;
 
+/// The signal from which a metric of the whole flight is computed, for metrics that are not named like their signal.
+const OF_METRICS: &[(&str, &str)] = &[
+    ("position_rmse_m", "position_error_m"),
+    ("position_rmse_settled_m", "position_error_m"),
+    ("position_rmse_transport_m", "position_error_m"),
+    ("innovation_mean_peak", "innovation_mean"),
+    ("saturation_share", "saturated"),
+    ("tilt_peak_rad", "tilt_rad"),
+];
+
 const SIGNALS: &[(&str, Read)] = &[
     ("position_error_m", |tick| Some(error(tick).fixed_rows::<3>(0).norm())),
     ("error_x_m", |tick| Some(error(tick)[0])),
@@ -53,6 +63,13 @@ pub fn names() -> impl Iterator<Item = &'static str> {
     SIGNALS.iter().map(|(name, _)| *name)
 }
 
+/// The signal that a demand on `name` limits, a signal or a metric, with its reader; `None` if the demand limits no number of a tick.
+pub fn limited_signal(name: &str) -> Option<(&'static str, fn(&Tick) -> Option<f64>)> {
+    let of_metric = OF_METRICS.iter().find(|(metric, _)| *metric == name);
+    let wanted = of_metric.map_or(name, |(_, signal)| signal);
+    SIGNALS.iter().find(|(known, _)| *known == wanted).copied()
+}
+
 /// How the signal `name` is read; `None` if there is none of that name.
 pub fn find(name: &str) -> Option<Read> {
     SIGNALS.iter().find(|(known, _)| *known == name).map(|(_, read)| *read)
@@ -65,4 +82,20 @@ fn chi(tick: &Tick) -> &Coords {
 /// Tracking error of the true coordinates against the reference, m and rad.
 fn error(tick: &Tick) -> Coords {
     tracking_error(chi(tick), &tick.reference.chi_des)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_demand_on_a_metric_limits_the_signal_from_which_it_is_computed() {
+        let of = |name| limited_signal(name).map(|(signal, _)| signal);
+        assert_eq!(of("tilt_rad"), Some("tilt_rad"));
+        assert_eq!(of("position_rmse_settled_m"), Some("position_error_m"));
+        assert_eq!(of("flight_s"), None, "a duration is no number of a tick");
+        for (metric, signal) in OF_METRICS {
+            assert!(find(signal).is_some(), "{metric} names the unknown signal {signal}");
+        }
+    }
 }

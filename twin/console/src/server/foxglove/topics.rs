@@ -261,6 +261,7 @@ mod tests {
             row: None,
             limits: None,
             z_scale: None,
+            weight: None,
         }
     }
 

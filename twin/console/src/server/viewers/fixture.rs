@@ -16,6 +16,7 @@ pub(super) fn channel(name: &str) -> ChannelInfo {
         row: None,
         limits: None,
         z_scale: None,
+        weight: None,
     }
 }
 
