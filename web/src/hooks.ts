@@ -7,6 +7,8 @@ import type { ChartColumn } from "./plots/column";
 import type { DrawnPose } from "./scene/bodies";
 import { inspect, type SceneHooks } from "./scene/inspect";
 import type { World } from "./scene/world";
+import type { TimeBar } from "./transport/bar";
+import type { Transport } from "./transport/transport";
 
 export interface TwinHooks {
   readonly state: unknown;
@@ -31,8 +33,19 @@ export interface TwinHooks {
   readonly commands: { id: string; keys: string[] }[];
   /** The content of the charts: the stretch shown in s, the cursor, and the lines of each chart as drawn. */
   readonly charts: ChartHooks;
+  /** The playhead, and the content of the timeline. */
+  readonly time: TimeHooks;
   /** Value of a channel at a tick of the history; null if it is unknown, or if the tick is not in the history. */
   at(channel: string, tick: number): number | null;
+}
+
+export interface TimeHooks {
+  readonly shown_s: number;
+  readonly past: boolean;
+  readonly playing: boolean;
+  readonly lanes: TimeBar["shown"];
+  /** Tick at the playhead. */
+  readonly tick: number;
 }
 
 export interface ChartHooks {
@@ -55,7 +68,7 @@ declare global {
   }
 }
 
-export function installHooks(store: Store, link: Link, gains: GainPanel, charts: ChartColumn, world: () => World | null): void {
+export function installHooks(store: Store, link: Link, gains: GainPanel, charts: ChartColumn, world: () => World | null, time: () => { transport: Transport; bar: TimeBar }): void {
   window.__twin = Object.freeze({
     get state() {
       return store.state === null ? null : { ...store.state };
@@ -87,7 +100,7 @@ export function installHooks(store: Store, link: Link, gains: GainPanel, charts:
     },
     get channels() {
       const names = (store.hello?.channels ?? []).map(({ name }) => name);
-      return Object.fromEntries(names.map((name) => [name, finite(store.latest(name))]));
+      return Object.fromEntries(names.map((name) => [name, finite(store.at(name, store.history.last))]));
     },
     get resets() {
       return store.resets.length;
@@ -103,6 +116,10 @@ export function installHooks(store: Store, link: Link, gains: GainPanel, charts:
     },
     get charts() {
       return chartHooks(store, charts);
+    },
+    get time() {
+      const { transport, bar } = time();
+      return { shown_s: transport.timeS, past: transport.past, playing: transport.playing, lanes: bar.shown, tick: store.shownTick };
     },
     at: (channel: string, tick: number) => finite(store.at(channel, tick)),
     get commands() {

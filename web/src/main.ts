@@ -18,9 +18,17 @@ import { TopBar } from "./panels/topbar";
 import { Workbench } from "./panels/workbench";
 import { ChartColumn } from "./plots/column";
 import { preferProcessorCanvas } from "./plots/software";
-import { PROTOCOL_VERSION, type ServerMessage } from "./protocol";
+import { type MirrorInfo, PROTOCOL_VERSION, type ServerMessage } from "./protocol";
+import { ScenePlayer } from "./scene/player";
 import { World } from "./scene/world";
+import { TimeBar } from "./transport/bar";
+import { registerTimeKeys } from "./transport/keys";
+import { LocalTransport } from "./transport/local";
+import { MirrorTransport } from "./transport/mirror";
+import { Moment } from "./transport/moment";
+import type { Transport } from "./transport/transport";
 
+const MS_PER_S = 1000;
 /** Time between two checks whether the data are stale, ms. */
 const AGE_EVERY_MS = 100;
 
@@ -29,6 +37,7 @@ const link = new Link({ message, telemetry, unreadable: (text) => notify("error"
 startTheme(byId("theme"), (palette) => {
   world?.recolor(palette);
   charts.recolor();
+  timeBar.recolor();
 });
 const palette = readPalette();
 const world = buildWorld();
@@ -42,10 +51,18 @@ const cameras = cameraButtons(() => world);
 /** File of the mirrored recording on the screen; null if there is none. */
 let shownFile: string | null = null;
 const sceneView = world === null ? null : new SceneView(world, store);
+const { view } = charts;
+const local = new LocalTransport(view, { now: () => view.newest(), oldest: () => view.oldest() }, true);
+/** Plays the mirrored recording; null while a simulated vehicle flies. */
+let recorded: MirrorTransport | null = null;
+const transport = (): Transport => recorded ?? local;
+const timeBar = new TimeBar(store, view, transport);
+const moment = new Moment(store, view, new ScenePlayer(store, () => world), (past) => enter(past));
+registerTimeKeys({ bar: timeBar, view, transport, tickS: () => store.tickS, moved: () => charts.speakSoon() });
 commands.register(
-  { id: "flight.pause", group: "Flight", description: "pause or continue", keys: ["Space"], action: () => bar.togglePause() },
-  { id: "flight.tick", group: "Flight", description: "fly one tick", keys: ["Ctrl+ArrowRight"], action: () => bar.step(), when: () => !charts.view.inspecting, repeats: true },
-  { id: "flight.on", group: "Flight", description: "fly 100 ms while paused", keys: ["ArrowRight"], action: () => bar.step(Math.round(0.1 / (store.hello?.tick_s ?? 0.01))), when: () => store.state?.phase === "paused" && !charts.view.inspecting, repeats: true },
+  { id: "flight.pause", group: "Flight", description: "pause or continue", keys: ["Space", "Shift+Space"], action: () => bar.togglePause() },
+  { id: "flight.tick", group: "Flight", description: "fly one tick", keys: ["Ctrl+ArrowRight"], action: () => bar.step(), when: onLine, repeats: true },
+  { id: "flight.on", group: "Flight", description: "fly 100 ms while paused", keys: ["ArrowRight"], action: () => bar.step(Math.round(0.1 / (store.hello?.tick_s ?? 0.01))), when: () => store.state?.phase === "paused" && onLine(), repeats: true },
   { id: "flight.restart", group: "Flight", description: "restart the flight", keys: ["R"], action: () => bar.restart() },
   { id: "camera.overview", group: "Camera", description: "show the whole task", keys: ["F"], action: cameras.overview },
   { id: "camera.follow", group: "Camera", description: "travel beside the vehicle", keys: ["V"], action: cameras.follow },
@@ -53,12 +70,13 @@ commands.register(
   { id: "camera.hand", group: "Camera", description: "show or hide the close-up of the hand", keys: ["H"], action: cameras.hand },
 );
 const bench = new Workbench(store, link, bar);
-const mirror = new MirrorBar(store, (request) => link.send(request), () => charts.view.marked());
+const mirror = new MirrorBar(store);
 const { gains } = bench;
 startKeys(commands);
-installHooks(store, link, gains, charts, () => world);
+installHooks(store, link, gains, charts, () => world, () => ({ transport: transport(), bar: timeBar }));
 let retryAt = 0;
 let ageAt = 0;
+let frameAt = performance.now();
 const texts = new Beat();
 let stale = false;
 /** Whether the last check found the data stale. */
@@ -88,7 +106,7 @@ function message(received: ServerMessage): void {
     case "state":
       store.state = received;
       recordingBanner.update(received.recording);
-      world?.flow(received.phase === "flying");
+      world?.flow(received.phase === "flying" && !moment.isPast);
       bench.show();
       return bar.show();
     case "gain":
@@ -98,9 +116,8 @@ function message(received: ServerMessage): void {
       store.forgetDrawn();
       return gains.replace(received);
     case "events":
-      store.addEvents(received.events);
-      bar.show();
-      return log.add(received.events);
+      log.add(store.addEvents(received.events));
+      return bar.show();
     case "notice":
       if (received.level !== "info") gains.refused();
       return notify(received.level, received.text);
@@ -119,6 +136,8 @@ function hello(received: Extract<ServerMessage, { type: "hello" }>): void {
     return;
   }
   store.accept(received);
+  recorded = transportOf(received.mirror);
+  view.remote = recorded === null ? null : (time) => recorded?.seek(time);
   recordingBanner.update(received.state.recording);
   world?.rebuild(received);
   sceneView?.rebuild();
@@ -127,6 +146,7 @@ function hello(received: Extract<ServerMessage, { type: "hello" }>): void {
   log.rebuild(store.events);
   bar.rebuild();
   mirror.rebuild();
+  timeBar.rebuild();
   followed(received.mirror?.file ?? null);
 }
 
@@ -139,8 +159,30 @@ function followed(file: string | null): void {
 function telemetry(received: Parameters<Store["ingest"]>[0]): void {
   if (!store.ingest(received)) return;
   if (received.gap > 0) bench.loss.lost(received.gap);
+  if (moment.isPast) return;
   if (received.reset) world?.clear();
   world?.update(received);
+}
+
+/** The transport of a recording that is mirrored; a jump within the same recording keeps it. */
+function transportOf(info: MirrorInfo | null): MirrorTransport | null {
+  if (info === null) return null;
+  if (recorded === null || shownFile !== info.file) return new MirrorTransport(store, info, (request) => link.send(request), () => view.marked());
+  recorded.arrived(info);
+  return recorded;
+}
+
+/** Shows that the page entered or left the past. */
+function enter(past: boolean): void {
+  document.body.dataset["when"] = past ? "past" : "now";
+  world?.flow(!past && store.state?.phase === "flying");
+  world?.age(stale && !past);
+  bar.show();
+}
+
+/** Whether the page shows the newest moment of a simulated flight, which the keys to the right then fly on. */
+function onLine(): boolean {
+  return recorded === null && !local.past;
 }
 
 function connection(connected: boolean, retryMs: number): void {
@@ -148,8 +190,13 @@ function connection(connected: boolean, retryMs: number): void {
 }
 
 function frame(now: number): void {
-  bench.frame(now);
+  transport().frame((now - frameAt) / MS_PER_S);
+  frameAt = now;
+  if (moment.frame(transport())) bar.show();
+  const drawn = world?.pictures;
   world?.render(performance.now());
+  if (world?.pictures !== drawn) bench.drawn(now);
+  timeBar.frame(now);
   sceneView?.frame(now);
   charts.frame(now);
   if (now - ageAt >= AGE_EVERY_MS) {
@@ -171,7 +218,7 @@ function age(): void {
   if (found === stale && document.body.dataset["stale"] !== undefined) return;
   stale = found;
   document.body.dataset["stale"] = String(stale);
-  world?.age(stale);
+  world?.age(stale && !moment.isPast);
   readings();
 }
 

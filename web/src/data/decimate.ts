@@ -16,7 +16,9 @@ export interface Decimated {
 /** How one column of the history is drawn. */
 export interface Trace {
   column: number;
-  /** Factor by which the value is multiplied. */
+  /** Known part that is taken from the value before it is drawn. */
+  less?: number;
+  /** Factor by which the rest is multiplied. */
   scale: number;
 }
 
@@ -43,9 +45,9 @@ export function decimate(history: History, traces: Trace[], from: number, to: nu
 
 function single(out: Decimated, history: History, traces: Trace[], tick: number, timeOf: (tick: number) => number): void {
   out.x.push(timeOf(tick));
-  traces.forEach(({ column, scale }, k) => {
+  traces.forEach(({ column, scale, less = 0 }, k) => {
     const value = history.at(column, tick);
-    out.series[k]?.push(Number.isNaN(value) ? (history.holds(tick) ? null : undefined) : value * scale);
+    out.series[k]?.push(Number.isNaN(value) ? (history.holds(tick) ? null : undefined) : (value - less) * scale);
   });
 }
 
@@ -66,10 +68,10 @@ function several(
   out.x.push(timeOf(start), timeOf(start + bucket / 2));
   if (broken) out.x.push(timeOf(start + bucket - 1));
   found.forEach((extremes, k) => {
-    const scale = traces[k]?.scale ?? 1;
+    const { scale, less = 0 } = traces[k] ?? { scale: 1 };
     const nothing = extremes.missing ? null : undefined;
     const series = out.series[k];
-    series?.push(extremes.empty ? nothing : extremes.first * scale, extremes.empty ? nothing : extremes.second * scale);
+    series?.push(extremes.empty ? nothing : (extremes.first - less) * scale, extremes.empty ? nothing : (extremes.second - less) * scale);
     if (broken) series?.push(nothing);
   });
 }

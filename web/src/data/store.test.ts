@@ -46,10 +46,10 @@ describe("Store", () => {
     s.ingest(frame(0, [[1, 0], [2, 1]]));
     s.ingest(frame(2, [[3, 0]]));
     expect(held(s)).toEqual([1, 2, 3]);
-    expect(s.latest("error.x")).toBe(3);
+    expect(s.shown("error.x")).toBe(3);
     expect(s.resets).toEqual([1]);
     expect(s.timeOf(s.lastTick)).toBeCloseTo(0.03, 12);
-    expect(s.latest("nothing")).toBeNaN();
+    expect(s.shown("nothing")).toBeNaN();
   });
 
   it("breaks the line where ticks are missing", () => {

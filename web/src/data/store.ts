@@ -2,8 +2,11 @@
 import type { Telemetry } from "../link/decode";
 import type { ChannelInfo, EventInfo, Hello, StateInfo } from "../protocol";
 import { Archive } from "./archive";
+import { atEffect } from "./gainEvents";
 import { History, HISTORY_TICKS } from "./history";
+import { Pictures } from "./pictures";
 import { covers, type TickSpan } from "./spans";
+import { StateLog } from "./stateLog";
 
 /** Length of the history before the first `hello`: the shortest that is possible. */
 const NO_HISTORY_TICKS = 512;
@@ -13,7 +16,13 @@ const RECALLED_TICKS = 6000;
 
 export class Store {
   hello: Hello | null = null;
-  state: StateInfo | null = null;
+  /** The tick at which the page stands in the past; null while it follows the newest tick. */
+  playhead: number | null = null;
+  /** Where the bodies were at the ticks of the history. */
+  readonly pictures = new Pictures();
+  /** Payload, wind and effects in force over the flight. */
+  readonly states = new StateLog();
+  private newestState: StateInfo | null = null;
   history = new History(NO_HISTORY_TICKS, 0);
   /** Newest telemetry frame of this flight. */
   newest: Telemetry | null = null;
@@ -29,15 +38,26 @@ export class Store {
   private archive: Archive | null = null;
   private recording: string | null = null;
 
+  /** Newest state of the flight. */
+  get state(): StateInfo | null {
+    return this.newestState;
+  }
+
+  set state(state: StateInfo | null) {
+    this.newestState = state;
+    if (state !== null) this.states.put(state);
+  }
+
   /** Starts over with the flight that `hello` describes. */
   accept(hello: Hello): void {
     this.hello = hello;
+    this.states.clear();
     this.state = hello.state;
     this.rememberRecording(hello);
     this.columns = new Map(hello.channels.map((channel, index) => [channel.name, index]));
     this.history = new History(HISTORY_TICKS, hello.channels.length);
     this.clear();
-    this.events = hello.events.slice(-KEPT_EVENTS);
+    this.events = hello.events.slice(-KEPT_EVENTS).map((event) => atEffect(event, hello.tick_s));
   }
 
   /** Forgets the rows and events of the flight; keeps its description. */
@@ -46,6 +66,7 @@ export class Store {
     this.newest = null;
     this.lastTick = -1;
     this.events = [];
+    this.playhead = null;
   }
 
   /** Adds a frame; returns false if the frame belongs to another description of the flight. */
@@ -65,6 +86,7 @@ export class Store {
     this.forgetMarks();
     if (frame.rows > 0) this.lastTick = frame.firstTick + frame.rows - 1;
     this.newest = frame;
+    this.pictures.put(frame);
     return true;
   }
 
@@ -73,8 +95,11 @@ export class Store {
     this.archive?.clear();
   }
 
-  addEvents(events: EventInfo[]): void {
-    this.events = [...this.events, ...events].slice(-KEPT_EVENTS);
+  /** Adds events, and returns them with the ticks at which they took effect. */
+  addEvents(events: EventInfo[]): EventInfo[] {
+    const told = events.map((event) => atEffect(event, this.tickS));
+    this.events = [...this.events, ...told].slice(-KEPT_EVENTS);
+    return told;
   }
 
   /** Simulated time at the end of `tick`, s. */
@@ -93,10 +118,15 @@ export class Store {
     return this.hello?.horizon_ticks ?? 0;
   }
 
-  /** The phase of the task, in plain words if an event gave them. */
+  /** The tick that the whole page shows: the playhead, or the newest tick. */
+  get shownTick(): number {
+    return this.playhead ?? this.history.last;
+  }
+
+  /** The phase of the task at the shown tick, in plain words if an event gave them. */
   phaseText(): string {
-    const said = this.events.filter(({ kind }) => kind === "phase").at(-1);
-    return said?.text ?? this.state?.task_phase.replaceAll("_", " ") ?? "";
+    const said = this.events.filter(({ kind, tick }) => kind === "phase" && tick <= (this.playhead ?? Infinity)).at(-1);
+    return said?.text ?? (this.playhead === null ? this.state?.task_phase.replaceAll("_", " ") : undefined) ?? "";
   }
 
   channel(name: string): ChannelInfo | undefined {
@@ -115,9 +145,19 @@ export class Store {
     return index === undefined ? NaN : this.history.at(index, tick);
   }
 
-  /** Newest value of a channel; NaN when unknown. */
-  latest(name: string): number {
-    return this.at(name, this.history.last);
+  /** Value of a channel without the known weight of the vehicle; NaN as `at`. */
+  withoutWeight(name: string, tick: number): number {
+    return this.at(name, tick) - (this.channel(name)?.weight ?? 0);
+  }
+
+  /** Value of a channel at the shown tick; NaN when unknown. */
+  shown(name: string): number {
+    return this.at(name, this.shownTick);
+  }
+
+  /** Every channel at `tick` as one row of telemetry; NaN where unknown. */
+  row(tick: number): Float32Array {
+    return Float32Array.from({ length: this.history.width }, (_, column) => this.history.at(column, tick));
   }
 
   lost(tick: number): boolean {
@@ -146,6 +186,7 @@ export class Store {
 
   private forgetRows(): void {
     this.history.clear();
+    this.pictures.clear();
     this.resets = [];
     this.gaps = [];
   }

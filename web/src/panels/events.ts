@@ -1,11 +1,10 @@
 // The event log of the flight. It follows the newest line unless the operator has scrolled back. Choosing a line shows its moment
 // on the charts. The line at the cursor of the charts is marked.
 import { eventKind } from "../data/eventKinds";
+import { joined } from "../data/gainEvents";
 import type { EventInfo } from "../protocol";
 import { byId, element } from "./dom";
 
-/** Changes of one gain that follow each other within this time are one drag, s. */
-const DRAG_WITHIN_S = 1;
 const KEPT_LINES = 500;
 const AT_THE_END_PX = 24;
 
@@ -24,7 +23,8 @@ export class EventLog {
 
   /** `choose` shows the moment of an event on the charts. */
   constructor(private readonly choose: (event: EventInfo) => void) {
-    this.list.addEventListener("scroll", () => (this.following = this.atTheEnd()));
+    // While a line is marked, the list scrolls by itself to show it.
+    this.list.addEventListener("scroll", () => (this.following = this.at === null ? this.atTheEnd() : this.following));
     this.list.addEventListener("keydown", (event) => this.key(event));
     new ResizeObserver(() => this.follow()).observe(this.list);
   }
@@ -42,9 +42,11 @@ export class EventLog {
   add(events: EventInfo[]): void {
     if (events.length === 0) return;
     this.list.querySelector(".empty")?.remove();
-    for (const event of events) {
+    for (const told of events) {
       const last = this.lines.at(-1);
-      if (last !== undefined && continues(last.event, event)) this.lines.pop()?.item.remove();
+      const both = last === undefined ? null : joined(last.event, told);
+      if (both !== null) this.lines.pop()?.item.remove();
+      const event = both ?? told;
       const item = line(event, () => this.choose(event));
       this.list.append(item);
       this.lines.push({ event, item });
@@ -61,7 +63,6 @@ export class EventLog {
     this.at = item;
     if (item === null) return this.follow();
     item.setAttribute("aria-current", "time");
-    this.following = false;
     item.scrollIntoView({ block: "nearest" });
   }
 
@@ -95,12 +96,6 @@ export class EventLog {
   private atTheEnd(): boolean {
     return this.list.scrollHeight - this.list.scrollTop - this.list.clientHeight < AT_THE_END_PX;
   }
-}
-
-/** Whether `next` belongs to the same drag of a slider as `last`; a drag gives one line, not one per position. */
-export function continues(last: EventInfo, next: EventInfo): boolean {
-  const stem = (text: string): string => text.replace(/\s[-−]?\d.*$/s, "");
-  return last.kind === "gain" && next.kind === "gain" && next.t_s - last.t_s < DRAG_WITHIN_S && stem(last.text) === stem(next.text);
 }
 
 function line({ t_s, kind, text, tick }: EventInfo, choose: () => void): HTMLLIElement {

@@ -1,7 +1,8 @@
 // The gains tab: presets, buttons of the history, the last change, a filter, and groups of gains.
-import type { ClientMessage, GainEcho, GainInfo, GainList, Hello, PresetName } from "../protocol";
+import type { ClientMessage, EventInfo, GainEcho, GainInfo, GainList, Hello, PresetName } from "../protocol";
 import { byId, element, setText } from "./dom";
 import { GainDesk } from "./gainDesk";
+import { GainLog } from "./gainLog";
 import type { GainModel } from "./gainModel";
 import { GainRow } from "./gainRow";
 import { remembered } from "./remembered";
@@ -15,6 +16,9 @@ export const PRESETS: PresetName[] = ["literal", "paper", "tuned"];
 export class GainPanel {
   readonly desk: GainDesk;
   private rows = new Map<string, GainRow>();
+  private readonly log = new GainLog();
+  /** The past moment that is shown, with the events that lead to it; null while the values in force are shown. */
+  private past: { tick: number; events: EventInfo[] } | null = null;
   private pointedAt = "";
   private readonly undoButton = byId<HTMLButtonElement>("undo");
   private readonly redoButton = byId<HTMLButtonElement>("redo");
@@ -54,6 +58,8 @@ export class GainPanel {
   /** Shows the gains of a new connection or flight. */
   rebuild(hello: Hello): void {
     this.desk.rebuild(hello);
+    this.log.start(hello.gains, hello.state.tick);
+    this.past = null;
     this.rows = new Map();
     const groups = [...new Set(hello.gains.map((gain) => gain.group))];
     byId("gains").replaceChildren(...groups.map((group) => this.group(group)), element("p", { className: "none muted", textContent: "No gain has this text in its name or help.", hidden: true }));
@@ -63,6 +69,7 @@ export class GainPanel {
 
   echo(echo: GainEcho): void {
     const own = this.desk.echo(echo);
+    this.log.note(echo.name, echo.value, echo.tick);
     const row = this.rows.get(echo.name);
     // The echoes of a preset are one action, which the list of gains after them completes.
     if (!this.desk.presetPending) row?.answered();
@@ -73,6 +80,7 @@ export class GainPanel {
   /** Takes the gains of a preset that took effect. */
   replace(list: GainList): void {
     this.desk.replace(list);
+    list.gains.forEach(({ name, value }) => this.log.note(name, value, list.tick));
     this.refresh();
   }
 
@@ -113,7 +121,23 @@ export class GainPanel {
     return Object.fromEntries(this.model.list().map(({ name, value }) => [name, value]));
   }
 
-  /** Shows the values in force. */
+  /** Shows the values that were in force at a past `tick`, or for null those in force. */
+  showAt(tick: number | null, events: EventInfo[]): void {
+    if (tick === null ? this.past === null : this.past?.tick === tick) return;
+    const before = this.past;
+    this.past = tick === null ? null : { tick, events };
+    // Most moments have the gains of the moment before them.
+    if (before === null || tick === null) return this.refresh();
+    this.rows.forEach((row) => row.show());
+  }
+
+  /** The gain `name` as it is shown: with its value in force, or with that of a past moment. */
+  private seen(gain: GainInfo): GainInfo {
+    const now = this.model.get(gain.name) ?? gain;
+    return this.past === null ? now : { ...now, value: this.log.at(gain.name, this.past.tick, this.past.events) ?? NaN };
+  }
+
+  /** Shows the values. */
   refresh(): void {
     this.rows.forEach((row, name) => {
       row.mark(this.model.modified(name), this.model.tickOf(name));
@@ -163,7 +187,7 @@ export class GainPanel {
   }
 
   private row(gain: GainInfo): HTMLElement {
-    const row = new GainRow(() => this.model.get(gain.name) ?? gain, {
+    const row = new GainRow(() => this.seen(gain), {
       send: (name, value) => this.desk.request(name, value),
       commit: (name, from, to) => {
         const tick = this.model.tickOf(name);

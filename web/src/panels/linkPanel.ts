@@ -44,7 +44,7 @@ export function rowsOf({ health, now, flying, clients, pageFps }: LinkReadings):
     ["telemetry", `${health.framesPerSecond(now)} frames/s`, "Frames received in the last second; a frame may have several ticks"],
     ["data", rate < 1000 ? `${rate.toFixed(0)} B/s` : `${(rate / 1000).toFixed(1)} kB/s`, "Bytes received in the last second"],
     ["lost ticks", `${health.gapTicks} in ${health.gapCount} gaps`, "Ticks that the server dropped because this page was too slow, since the connection opened"],
-    ["page", `${pageFps.toFixed(0)} frames/s`, "How often this page is drawn"],
+    ["3-D view", `${pageFps.toFixed(0)} pictures/s`, "How often this page drew the 3-D view in the last second; it draws only what has changed"],
     ["clients", clients === undefined || !health.connected ? "–" : String(clients), "Pages and programs connected to the server"],
     ["reconnects", String(health.reconnects), "Times this page had to connect again"],
   ];

@@ -13,7 +13,11 @@ export class SceneKey {
   private readonly root = byId("scene-key");
   private readonly values = new Map<Valued, HTMLElement>();
 
-  constructor(private readonly world: World) {}
+  /** `unit` gives the unit of the forces: per kilogram if the mass of a mirrored vehicle is unknown. */
+  constructor(
+    private readonly world: World,
+    private readonly unit: () => string,
+  ) {}
 
   /** Shows the legend of the kinds that are drawn now. */
   show(): void {
@@ -23,7 +27,7 @@ export class SceneKey {
     const items = [...MARK_KINDS, ...ARROW_KINDS].filter(inSight).map((info) => this.item(info));
     const proportional = ARROW_KINDS.some(({ kind }) => shown[kind] && kind !== "contact" && kind !== "wind");
     const newtons = SCALE_CM / 100 / METRES_PER_NEWTON;
-    const scale = [...(proportional ? [`${SCALE_CM} cm = ${newtons.toFixed(0)} N`] : []), ...(shown.contact ? ["contact by √N"] : [])];
+    const scale = [...(proportional ? [`${SCALE_CM} cm = ${newtons.toFixed(0)} ${this.unit()}`] : []), ...(shown.contact ? ["contact by √N"] : [])];
     if (scale.length > 0) items.push(element("li", { className: "muted", textContent: scale.join(", ") }));
     this.root.hidden = items.length === 0;
     this.root.replaceChildren(...items);
@@ -33,7 +37,7 @@ export class SceneKey {
   /** Writes the newest values. */
   readings(): void {
     const newtons = this.world.forcesNow();
-    this.values.forEach((output, kind) => setText(output, Number.isFinite(newtons[kind]) ? `${newtons[kind].toFixed(1)} N` : "unknown"));
+    this.values.forEach((output, kind) => setText(output, Number.isFinite(newtons[kind]) ? `${newtons[kind].toFixed(1)} ${this.unit()}` : "unknown"));
   }
 
   private item({ kind, brief, help, mark }: KindInfo): HTMLElement {

@@ -26,7 +26,7 @@ export class SceneView {
     store: Store,
   ) {
     this.list = new ViewPopover(world, () => this.settingsChanged());
-    this.key = new SceneKey(world);
+    this.key = new SceneKey(world, () => store.channel("r_hat.x")?.unit ?? "N");
     this.card = new BodyCard(world, store);
     this.wind = new WindBadge(world);
     this.key.show();

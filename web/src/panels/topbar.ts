@@ -13,6 +13,9 @@ const PHASES: Record<StateInfo["phase"], { text: string; tone: string }> = {
   ended: { text: "■ ended", tone: "" },
 };
 
+/** What stands in place of the phase while the page shows the past. */
+const PAST = { text: "◀◀ past", tone: "warn" };
+
 export class TopBar {
   private readonly scenario = byId<HTMLSelectElement>("scenario");
   private readonly speed = byId<HTMLSelectElement>("speed");
@@ -69,16 +72,18 @@ export class TopBar {
     this.show();
   }
 
-  /** Shows the newest `state`. */
+  /** Shows the newest `state`, and of a past moment what was true then. */
   show(): void {
     const state = this.store.state;
     if (state === null) return;
-    const { text, tone } = PHASES[state.phase];
+    const past = this.store.playhead !== null;
+    const { text, tone } = past ? PAST : PHASES[state.phase];
     badge("phase", text, tone);
+    byId("phase").title = past ? `The page shows the past. The flight itself: ${state.phase}` : "";
     const verdict = byId("verdict");
-    verdict.hidden = state.verdict === null;
+    verdict.hidden = state.verdict === null || past;
     if (state.verdict !== null) badge("verdict", verdictText(state.verdict), state.verdict === COMPLETED ? "good" : "bad");
-    const detail = state.reason ?? this.store.phaseText();
+    const detail = (past ? null : state.reason) ?? this.store.phaseText();
     setText(byId("task-phase"), detail);
     byId("task-phase").title = detail;
     const flying = state.phase === "flying";
@@ -96,7 +101,8 @@ export class TopBar {
     const { health } = this.link;
     const now = clockMs();
     const flying = this.store.state?.phase === "flying";
-    const time = this.store.newest?.tSim ?? this.store.state?.t_s;
+    const { playhead } = this.store;
+    const time = playhead === null ? (this.store.newest?.tSim ?? this.store.state?.t_s) : this.store.timeOf(playhead);
     setText(byId("time"), time === undefined ? "–" : `${time.toFixed(1)} s`);
     const age = health.ageMs(now, flying);
     byId("link").dataset["tone"] = stale ? "bad" : "good";

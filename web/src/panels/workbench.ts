@@ -5,7 +5,7 @@ import { clockMs, type Link } from "../link/link";
 import type { Hello } from "../protocol";
 import { commands } from "./commands";
 import { Compare } from "./compare";
-import { byId } from "./dom";
+import { byId, setText } from "./dom";
 import { FrameRate } from "./frameRate";
 import { GainPanel, PRESETS } from "./gains";
 import { SLOTS } from "./gainSets";
@@ -73,17 +73,21 @@ export class Workbench {
     if (state !== null) this.timing.show(state, hello?.tick_s ?? 0.01);
   }
 
-  /** The page is drawn now, ms. */
-  frame(nowMs: number): void {
+  /** The 3-D view was drawn, ms. */
+  drawn(nowMs: number): void {
     this.rate.frame(nowMs);
   }
 
-  /** Called a few times a second. */
+  /** Called a few times a second. In the past the column shows what was in force then, and nothing can be changed. */
   readings(stale: boolean): void {
     const now = clockMs();
-    this.setLock(stale);
+    const { playhead, events } = this.store;
+    setText(byId("desk-locked"), playhead === null ? "Locked: what you see is old." : `As it was at ${this.store.timeOf(playhead).toFixed(2)} s. Go back to live to tune.`);
+    this.setLock(stale || playhead !== null);
+    this.gains.showAt(playhead, events);
+    this.world.show();
     this.gains.desk.overdue();
-    this.gains.noteLeads((row) => this.store.latest(`lead_s.${row}`));
+    this.gains.noteLeads((row) => this.store.shown(`lead_s.${row}`));
     this.loss.due(now);
     const { state } = this.store;
     this.linkPanel.show({ health: this.link.health, now, flying: state?.phase === "flying", clients: state?.clients, pageFps: this.rate.at(performance.now()) });

@@ -1,7 +1,8 @@
 // The world tab: payload, wind, effects. What is shown is what the server says is in force, within the ranges that it gives; a
 // change is a request.
 import type { Store } from "../data/store";
-import type { ClientMessage, Disturbance, StateInfo } from "../protocol";
+import type { WorldState } from "../data/stateLog";
+import type { ClientMessage, Disturbance } from "../protocol";
 import { byId, element, setText } from "./dom";
 import { magnitude, type Range, rangeOf, scaled } from "./ranges";
 import { compassPoint, windForm, type WindForm, windText, windVector } from "./wind";
@@ -11,6 +12,10 @@ export const GRAMS_PER_KG = 1000;
 const WIND_PRESETS = [0, 3, 6];
 /** A request without an answer for this long is given up, ms: the panel then shows the server's word again. */
 const ANSWER_WITHIN_MS = 1500;
+
+/** Force on the pads from which on the hand holds the payload, N; contacts that are solved leave less than a hundredth of it. */
+const HELD_FROM_N = 0.1;
+const NOT_HELD = "not held";
 
 /** A slider and a number field that are one control. */
 interface Pair {
@@ -84,8 +89,9 @@ export class WorldPanel {
 
   /** Shows the newest state, except in a control the operator has hold of. */
   show(): void {
-    const { state } = this.store;
-    if (state === null) return;
+    const { playhead } = this.store;
+    const state = playhead === null ? this.store.state : this.store.states.at(playhead);
+    if (state === null) return showUnknown();
     this.showReadings(state);
     if (performance.now() < this.heldUntil) return;
     const known = state.payload_kg !== null;
@@ -108,12 +114,14 @@ export class WorldPanel {
     setText(byId("wind-point"), compassPoint(wind.from));
   }
 
-  private showReadings(state: StateInfo): void {
+  private showReadings(state: WorldState): void {
     const payload = state.payload_kg === null ? "none" : `${(state.payload_kg * GRAMS_PER_KG).toFixed(0)} g`;
+    const held = heldText(this.store.shown("grip_force_n"));
     const [x, y, z] = state.wind_m_s.map((value) => value.toFixed(1).replace("-", "−"));
-    setText(byId("payload-now"), payload);
+    setText(byId("payload-now"), state.payload_kg !== null && held === NOT_HELD ? NOT_HELD : payload);
+    byId("world-open").title = `Payload of ${payload}${held === "" ? "" : `, ${held} by the hand`}: open the world tab (W)`;
     setText(byId("wind-now"), windText(state.wind_m_s));
-    setText(byId("payload-force"), state.payload_kg === null ? "This flight has no payload." : `In force: ${payload}`);
+    setText(byId("payload-force"), state.payload_kg === null ? "This flight has no payload." : `In force: ${payload}${held === "" ? "" : `, ${held} by the hand`}`);
     setText(byId("wind-force"), `In force: ${windText(state.wind_m_s)}, air moves (${x}, ${y}, ${z}) m/s east, north, up`);
   }
 
@@ -130,6 +138,18 @@ export class WorldPanel {
     this.hold();
     this.send({ type: "disturb", disturbance });
   }
+}
+
+/** Whether the hand holds the payload, from the force on its pads; empty if nobody knows. */
+export function heldText(gripN: number): string {
+  if (Number.isNaN(gripN)) return "";
+  return gripN > HELD_FROM_N ? "held" : NOT_HELD;
+}
+
+/** The page does not know what was in force: it was opened later. */
+function showUnknown(): void {
+  for (const id of ["payload-now", "wind-now"]) setText(byId(id), "–");
+  for (const id of ["payload-force", "wind-force"]) setText(byId(id), "Unknown at this moment: this page was opened later.");
 }
 
 function pair(id: string): Pair {

@@ -81,6 +81,7 @@ export class Chart implements Panel {
     this.zscore = frame.zscore;
     this.traces = this.series.map((series, k) => ({
       column: this.store.index(series.channel) ?? -1,
+      less: this.channels[k]?.weight ?? 0,
       scale: this.scale(k),
     }));
     const out = decimate(this.store.history, this.traces, frame.ticks[0], frame.ticks[1], frame.bucket, this.store.timeOf);
@@ -157,16 +158,15 @@ export class Chart implements Panel {
   private valueAt(k: number, time: number | null): number {
     const newest = this.frame?.newest ?? this.store.history.last;
     const tick = time === null ? newest : this.store.tickAt(time);
-    return this.store.at(this.series[k]?.channel ?? "", tick) * this.scale(k);
+    return this.store.withoutWeight(this.series[k]?.channel ?? "", tick) * this.scale(k);
   }
 
   private drawOver(plot: uPlot): void {
     if (this.frame === null) return;
     if (this.limits.length > 0) drawLimits(plot, this.limits, this.colors);
     const lost = this.lost();
-    this.series.forEach((series, k) => {
-      if (this.shown[k] === true && series.silent !== true) drawUnknown(plot, this.x, this.values[k] ?? [], k, colorOf(series, this.colors), lost);
-    });
+    const railed = this.series.map((series, k) => ({ series, k })).filter(({ series, k }) => this.shown[k] === true && series.silent !== true && (this.values[k] ?? []).includes(null));
+    railed.forEach(({ series, k }, place) => drawUnknown(plot, this.x, this.values[k] ?? [], [place, railed.length], colorOf(series, this.colors), lost));
     const fanned = this.fan !== null && this.fan.points.length > 1;
     drawMarks(plot, this.frame, this.colors, this.spec.resetIcon === true, fanned);
     if (this.fan !== null && fanned) drawFan(fieldOf(plot), this.fan, this.colors, this.lineWidth);

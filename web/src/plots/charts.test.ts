@@ -8,7 +8,7 @@ import { chartSpecs, ownSpec } from "./spec";
 import type { ChannelInfo } from "../protocol";
 
 const channel = (name: string, label: string, group: string, unit: string, row: string | null = null): ChannelInfo =>
-  ({ name, label, group, unit, row, limits: null, z_scale: null });
+  ({ name, label, group, unit, row, limits: null, z_scale: null, weight: null });
 
 const CHANNELS = [
   channel("residual.phi", "measured r phi", "residual", "N m", "phi"),
@@ -47,8 +47,8 @@ describe("chartSpecs", () => {
   it("beside a recording shows how far twin and vehicle part, and no term of a controller", () => {
     const channels = ["position_error_m", "robust_gain", "gain_norm"].map((name) => channel(name, name, "", ""));
     const titles = (mirrored: boolean): string[] => chartSpecs("z", channels, mirrored).map(({ title }) => title);
-    expect(titles(false)).toEqual(["Tracking error", "Robust term", "Spectrum of Σ, newest", "Adapter norms"]);
-    expect(titles(true)).toEqual(["Divergence from the twin", "Spectrum of Σ, newest", "Adapter norms"]);
+    expect(titles(false)).toEqual(["Tracking error", "Robust term", "Spectrum of Σ", "Adapter norms"]);
+    expect(titles(true)).toEqual(["Divergence from the twin", "Spectrum of Σ", "Adapter norms"]);
   });
 
   it("gives the lines of an own chart different colours or patterns", () => {

@@ -119,7 +119,7 @@ export class CloseUp implements Panel {
   }
 
   private at(stem: string): number {
-    return this.store.at(`${stem}.${this.row}`, this.tick) * this.scale();
+    return this.store.withoutWeight(`${stem}.${this.row}`, this.tick) * this.scale();
   }
 
   private scale(): number {
@@ -132,7 +132,7 @@ export class CloseUp implements Panel {
     const [first, last] = [from, to].map((seconds) => this.tick + Math.round(seconds / this.store.tickS)) as [number, number];
     const name = `${stem}.${this.row}`;
     const end = Math.min(last, this.frame?.newest ?? last);
-    return Array.from({ length: Math.max(0, end - first + 1) }, (_, k) => this.store.at(name, first + k) * this.scale());
+    return Array.from({ length: Math.max(0, end - first + 1) }, (_, k) => this.store.withoutWeight(name, first + k) * this.scale());
   }
 
   private draw(): void {

@@ -9,7 +9,6 @@ import { addOwn, load, type OwnChart, save, standard, WINDOWS_S } from "./arrang
 import { registerChartActions, registerChartKeys } from "./chartKeys";
 import { readColors } from "./colors";
 import { saveCsv, savePng } from "./files";
-import { ChartFoot } from "./foot";
 import { type Frame, rangeOf, takeFrame } from "./frame";
 import { ChartMenu } from "./menu";
 import { AXIS_WIDTH_PX, RIGHT_PX } from "./options";
@@ -18,7 +17,7 @@ import { Panels } from "./panels";
 import { ChannelPicker } from "./picker";
 import { listenPan, listenPointer } from "./pointer";
 import { RangeTable } from "./rangeTable";
-import { symbolOf } from "./spec";
+import { type ChartSpec, symbolOf } from "./spec";
 import { Timeline } from "./timeline";
 import { MarkTip } from "./tip";
 import { View } from "./view";
@@ -38,7 +37,6 @@ export class ChartColumn {
   private readonly root = byId("charts");
   private readonly panels: Panels;
   private readonly timeline: Timeline;
-  private readonly foot: ChartFoot;
   private readonly tip = new MarkTip();
   private readonly menu: ChartMenu;
   private readonly picker: ChannelPicker;
@@ -68,13 +66,14 @@ export class ChartColumn {
     this.view.windowS = this.arrangement.windowS;
     this.table = new RangeTable(store, this.view);
     this.timeline = new Timeline(this.colors);
-    this.foot = new ChartFoot(this.view);
     this.panels = new Panels(this.root, store, software ? 1 : 1.5, { made: (panel) => this.listen(panel), toggleZscore: () => this.toggleZscore() });
     this.menu = new ChartMenu({
       changed: () => this.changed(),
       edit: (own) => this.edit(own),
       add: () => this.add(),
       reset: () => this.toDefault(),
+      saveCsv: () => saveCsv(this.store, this.view.span(), this.panels.list),
+      savePng: () => this.picture(),
       clearMarkers: () => {
         this.view.markers = [];
         this.view.version += 1;
@@ -91,12 +90,10 @@ export class ChartColumn {
     this.windows.addEventListener("change", () => this.chooseWindow(Number(this.windows.value)));
     const hover = (event: PointerEvent | null): void => this.hover(event);
     listenPan(this.timeline.root, this.view, () => this.plotWidth(), { hover, click: (event) => this.clickMark(event) });
-    registerChartKeys({ view: this.view, tickS: () => store.tickS, oldest, newest: now, moved: () => this.speakSoon() });
+    registerChartKeys({ view: this.view, cursor: () => this.view.cursor() ?? now() });
     const files = { saveCsv: () => saveCsv(this.store, this.view.span(), this.panels.list), savePng: () => this.picture() };
     const chosen = { toggleZscore: () => this.toggleZscore(), add: () => this.add(), toDefault: () => this.toDefault() };
     registerChartActions({ ...files, ...chosen, forgetRange: () => this.view.clearRange() });
-    byId("save-csv").addEventListener("click", files.saveCsv);
-    byId("save-png").addEventListener("click", files.savePng);
   }
 
   /** Takes a new description of the flight, whose coordinates and channels may differ. */
@@ -111,6 +108,12 @@ export class ChartColumn {
     const recording = this.store.hello?.mirror?.file ?? null;
     this.view.clear(recording !== null && recording === this.recording);
     this.recording = recording;
+    this.sync(true);
+  }
+
+  /** Shows charts of this flight alone before the others. */
+  showFirst(specs: ChartSpec[]): void {
+    this.panels.extra = specs;
     this.sync(true);
   }
 
@@ -140,9 +143,7 @@ export class ChartColumn {
     if (frame === null) return;
     for (const panel of due.slice(0, this.budget(now, touched))) this.draw(panel, frame);
     this.point(frame, now);
-    const beat = this.texts.due(now);
-    if (beat) this.write(frame, now);
-    if (beat || touched) this.foot.show(Math.max(0, this.store.timeOf(this.store.lastTick)));
+    if (this.texts.due(now)) this.write(frame, now);
     this.frameAt = now;
   }
 
@@ -288,9 +289,9 @@ export class ChartColumn {
 
   /** A click on a chart puts the cursor at the pointer; a click on a mark puts it on the mark. */
   private click(event: PointerEvent): void {
-    if (this.clickMark(event) || !this.view.inspecting) return;
+    if (this.clickMark(event) || !(this.view.inspecting || this.view.remote !== null)) return;
     const time = this.cursorTime();
-    if (time !== null) this.view.pinned = time;
+    if (time !== null) this.view.moveCursor(time);
   }
 
   private clickMark(event: PointerEvent): boolean {
@@ -302,7 +303,7 @@ export class ChartColumn {
   }
 
   /** Tells screen readers the values at the cursor once it rests: those of the chart with the focus, else of the first chart. */
-  private speakSoon(): void {
+  speakSoon(): void {
     clearTimeout(this.speech);
     this.speech = window.setTimeout(() => {
       const time = this.cursorTime();

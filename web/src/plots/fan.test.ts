@@ -5,7 +5,7 @@ import type { Store } from "../data/store";
 /** A store with one tick of 10 ms, number 99, which ends at 1 s. */
 function storeOf(values: Record<string, number>): Store {
   const at = (name: string, tick: number): number => (tick === 99 ? (values[name] ?? NaN) : NaN);
-  return { at, tickS: 0.01, timeOf: (tick: number) => (tick + 1) * 0.01 } as unknown as Store;
+  return { withoutWeight: at, at, tickS: 0.01, timeOf: (tick: number) => (tick + 1) * 0.01 } as unknown as Store;
 }
 
 const FAN = { "adapted.x": 1, "fan_05.x": 2, "fan_10.x": 4, "fan_25.x": 5 };

@@ -26,7 +26,7 @@ export interface Fan {
 
 /** The forecast of coordinate `row` that was made at `tick`, with values multiplied by `scale`; null if there is none. */
 export function fanOf(store: Store, row: string, tick: number, scale: number): Fan | null {
-  const at = (stem: string): number => store.at(`${stem}.${row}`, tick) * scale;
+  const at = (stem: string): number => store.withoutWeight(`${stem}.${row}`, tick) * scale;
   const now = at("adapted");
   if (Number.isNaN(now)) return null;
   const lead = store.at(`lead_s.${row}`, tick);

@@ -60,7 +60,7 @@ export function rangeOf(view: View): Span | null {
 }
 
 /** Events, resets, lost ticks and the operator's marks between two ticks, oldest first. */
-function marksOf(store: Store, view: View, first: number, last: number): Mark[] {
+export function marksOf(store: Store, view: View, first: number, last: number): Mark[] {
   const inside = ({ tick }: { tick: number }): boolean => tick >= first && tick <= last;
   const told = store.events.filter(inside).map(({ tick, kind, text }) => ({ tick, kind, text, time: store.timeOf(tick) }));
   const toldResets = new Set(told.filter(({ kind }) => kind === "reset").map(({ tick }) => tick));

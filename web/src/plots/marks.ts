@@ -8,7 +8,11 @@ import type { Frame } from "./frame";
 import type { Bounds } from "./range";
 import type { Span } from "./view";
 
-const RAIL_PX = 3;
+const RAIL_PX = 4;
+/** A rail is a row of short strokes, so that nobody takes it for a line of data, px. */
+const RAIL_STROKES_PX = [2, 4];
+/** From this width on a rail says what it means, px. */
+const RAIL_NAMED_FROM_PX = 70;
 /** Reset lines that are closer together than this are drawn as one, px. */
 const LINES_APART_PX = 2;
 const ICONS_APART_PX = 12;
@@ -32,6 +36,7 @@ export function drawBehind(plot: uPlot, frame: Frame, colors: ChartColors, words
     if (!words || width < 46 * ratio) continue;
     ctx.fillStyle = colors.muted;
     ctx.font = `${11 * ratio}px ${SMALL_FONT}`;
+    ctx.textAlign = "left";
     ctx.textBaseline = "bottom";
     ctx.globalAlpha = 1;
     ctx.fillText("frozen", Math.max(bbox.left, plot.valToPos(span[0], "x", true)) + 4 * ratio, bbox.top + bbox.height - 4 * ratio);
@@ -168,17 +173,31 @@ export function drawLimits(plot: uPlot, limits: Bounds[], colors: ChartColors): 
   ctx.restore();
 }
 
-/** Draws a bar at the foot of the chart, the `place`-th from below, where values are unknown for another reason than lost ticks. */
-export function drawUnknown(plot: uPlot, x: number[], values: Sample[], place: number, color: string, gaps: Span[]): void {
+/**
+ * Draws a dotted rail at the foot of the chart, the `place`-th of `places` from below, where values are unknown for another reason than lost
+ * ticks. The uppermost rail has the word.
+ */
+export function drawUnknown(plot: uPlot, x: number[], values: Sample[], [place, places]: [number, number], color: string, gaps: Span[]): void {
   const { ctx, bbox } = plot;
   const ratio = uPlot.pxRatio;
-  const y = bbox.top + bbox.height - (place + 1) * RAIL_PX * ratio;
+  const y = bbox.top + bbox.height - (place + 0.5) * RAIL_PX * ratio;
   ctx.save();
+  ctx.strokeStyle = color;
   ctx.fillStyle = color;
+  ctx.lineWidth = 2 * ratio;
+  ctx.setLineDash(RAIL_STROKES_PX.map((length) => length * ratio));
+  ctx.font = `${10 * ratio}px ${SMALL_FONT}`;
+  ctx.textAlign = "left";
+  ctx.textBaseline = "bottom";
   for (const [from, to] of unknownSpans(x, values, gaps)) {
     const left = Math.max(bbox.left, plot.valToPos(from, "x", true));
     const right = Math.min(bbox.left + bbox.width, plot.valToPos(to, "x", true));
-    if (right >= left) ctx.fillRect(left, y, Math.max(ratio, right - left), (RAIL_PX - 1) * ratio);
+    if (right < left) continue;
+    ctx.beginPath();
+    ctx.moveTo(left, y);
+    ctx.lineTo(Math.max(left + 2 * ratio, right), y);
+    ctx.stroke();
+    if (place === places - 1 && right - left >= RAIL_NAMED_FROM_PX * ratio) ctx.fillText("unknown", left + 3 * ratio, y - 2 * ratio);
   }
   ctx.restore();
 }

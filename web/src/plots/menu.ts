@@ -9,6 +9,8 @@ export interface MenuActions {
   edit(own: OwnChart): void;
   add(): void;
   reset(): void;
+  saveCsv(): void;
+  savePng(): void;
   clearMarkers(): void;
 }
 
@@ -50,6 +52,11 @@ export class ChartMenu {
       button("New chart…", actions.add),
       element("h3", { textContent: "Marks on the charts" }),
       element("ul", { className: "two" }, marks),
+      element("h3", { textContent: "Save what is in view" }),
+      element("div", { className: "menu-foot" }, [
+        Object.assign(button("CSV", actions.saveCsv), { id: "save-csv", title: "Every tick in view of every channel shown, as CSV" }),
+        Object.assign(button("PNG", actions.savePng), { id: "save-png", title: "A picture of the charts" }),
+      ]),
       element("div", { className: "menu-foot" }, [button("Clear my marks", actions.clearMarkers), button("Reset to default", actions.reset)]),
     );
     this.root.scrollTop = scrolled;

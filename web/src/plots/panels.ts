@@ -17,6 +17,8 @@ export interface PanelActions {
 
 export class Panels {
   list: Panel[] = [];
+  /** Charts of this flight alone, which stand before the others. */
+  extra: ChartSpec[] = [];
   private signatures = new Map<Panel, string>();
   private readonly watcher = new IntersectionObserver((entries) => this.seen(entries));
   private zscoreButton: HTMLButtonElement | null = null;
@@ -33,7 +35,7 @@ export class Panels {
     const { hello } = this.store;
     const channels = hello?.channels ?? [];
     const standard = chartSpecs(arrangement.row, channels, (hello?.mirror ?? null) !== null).filter(({ key }) => key !== SPECTRUM || this.hasSpectrum());
-    return [...standard, ...arrangement.own.map((own) => ownSpec(own, channels))];
+    return [...this.extra, ...standard, ...arrangement.own.map((own) => ownSpec(own, channels))];
   }
 
   /** Whether telemetry has a spectrum of more than one number. */

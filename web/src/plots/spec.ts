@@ -56,16 +56,18 @@ export function symbolOf(row: string): string {
 /** The console's charts for one coordinate, the most important first. A mirrored recording has no charts of the controller. */
 export function chartSpecs(row: string, channels: ChannelInfo[], mirrored = false): ChartSpec[] {
   const known = new Set(channels.map(({ name }) => name));
-  return [residualSpec(row), ...(mirrored ? [] : [closeUpSpec(row)]), ...learningSpecs(), ...(mirrored ? mirrorSpecs(row) : controlSpecs(row)), ...adapterSpecs(), ...(mirrored ? [] : [...forceSpecs(row), ...bodySpecs(channels)])]
+  const heavy = channels.some(({ name, weight }) => name === `residual.${row}` && (weight ?? null) !== null);
+  const of = `${symbolOf(row)}${heavy ? " − weight" : ""}`;
+  return [residualSpec(row, of), ...(mirrored ? [] : [closeUpSpec(row, of)]), ...learningSpecs(), ...(mirrored ? mirrorSpecs(row) : controlSpecs(row)), ...adapterSpecs(), ...(mirrored ? [] : [...forceSpecs(row), ...bodySpecs(channels)])]
     .map((spec) => ({ ...spec, series: spec.series.filter(({ channel }) => known.has(channel)) }))
     .filter(({ key, series }) => series.length > 0 || key === SPECTRUM);
 }
 
-/** Chart of the residual and its forecasts. */
-function residualSpec(row: string): ChartSpec {
+/** Chart of the residual and its forecasts. The known weight is left out, because beside it no difference could be seen. */
+function residualSpec(row: string, of: string): ChartSpec {
   return {
     key: "residual",
-    title: `Residual ${symbolOf(row)}`,
+    title: `Residual ${of}`,
     smallestSpan: 0.2,
     zscore: true,
     fan: row,
@@ -80,10 +82,10 @@ function residualSpec(row: string): ChartSpec {
 }
 
 /** Panel with the forecast from close by. Its channels are those of its numbers. */
-function closeUpSpec(row: string): ChartSpec {
+function closeUpSpec(row: string, of: string): ChartSpec {
   return {
     key: CLOSE_UP,
-    title: `Foresight ${symbolOf(row)}`,
+    title: `Foresight ${of}`,
     smallestSpan: 0.2,
     zscore: true,
     fan: row,
@@ -176,7 +178,7 @@ function controlSpecs(row: string): ChartSpec[] {
 /** Charts with details of the adapter. */
 function adapterSpecs(): ChartSpec[] {
   return [
-    { key: SPECTRUM, title: "Spectrum of Σ, newest", smallestSpan: 1, series: [] },
+    { key: SPECTRUM, title: "Spectrum of Σ", smallestSpan: 1, series: [] },
     {
       key: "norms",
       title: "Adapter norms",
@@ -211,6 +213,22 @@ function bodySpecs(channels: ChannelInfo[]): ChartSpec[] {
     { key: "joints", title: "Joint torque", smallestSpan: 0.2, series: many(named("joint_torque."), (channel) => `q${["₀", "₁", "₂", "₃"][Number(last(channel))] ?? last(channel)}`) },
     { key: "attention", title: "Attention", smallestSpan: 0.1, series: many(channels.filter(({ group }) => group === "attention"), ({ label }) => label) },
   ];
+}
+
+/** The chart of a demand that the flight did not meet: its signal, and the limits of it. */
+export function demandSpec(channels: string[], known: ChannelInfo[], k: number): ChartSpec | null {
+  const [signal, ...limits] = channels.flatMap((name) => known.find((channel) => channel.name === name) ?? []);
+  if (signal === undefined) return null;
+  return {
+    key: `demand-${k}`,
+    title: `Not kept: ${signal.label.replaceAll("_", " ")}`,
+    smallestSpan: 1e-3,
+    tall: true,
+    series: [
+      { channel: signal.name, label: "found", color: "estimate" },
+      ...limits.map(({ name, label }): SeriesSpec => ({ channel: name, label, color: "setpoint", dash: [6, 4] })),
+    ],
+  };
 }
 
 /** The chart that an operator composed, without channels that the flight does not have. */

@@ -1,5 +1,5 @@
-// The panel with the newest eigenvalues of the adapter's covariance as bars, largest first, on a logarithmic axis. It has no
-// history, because telemetry has one spectrum per frame.
+// The panel with the eigenvalues of the adapter's covariance at the cursor, else at the playhead, as bars, largest first, on a logarithmic
+// axis.
 import type { Store } from "../data/store";
 import { element, setText } from "../panels/dom";
 import type { ChartColors } from "./colors";
@@ -22,6 +22,7 @@ export class SpectrumBars implements Panel {
   private readonly largest = element("output", { ariaLive: "off" });
   private readonly smallest = element("output", { ariaLive: "off" });
   private range: Bounds | null = null;
+  private tick = NaN;
   private size: [number, number] = [0, 0];
   private readonly sizes = new ResizeObserver(([entry]) => {
     const { width, height } = entry?.contentRect ?? { width: 0, height: 0 };
@@ -43,12 +44,21 @@ export class SpectrumBars implements Panel {
   }
 
   refresh(_: Frame): void {
+    this.redraw();
+  }
+
+  point(time: number | null): void {
+    const tick = time === null ? this.store.shownTick : this.store.tickAt(time);
+    if (Object.is(tick, this.tick)) return;
+    this.tick = tick;
+    this.redraw();
+  }
+
+  private redraw(): void {
     const values = [...this.values()].filter((value) => value > 0);
     if (values.length > 0) this.range = decadeRange(this.range, [Math.min(...values), Math.max(...values)]);
     this.draw(values);
   }
-
-  point(): void {}
 
   write(): void {
     const values = this.values();
@@ -79,7 +89,7 @@ export class SpectrumBars implements Panel {
   }
 
   private values(): Float32Array {
-    return this.store.newest?.spectrum ?? new Float32Array();
+    return this.store.pictures.spectrumAt(this.tick);
   }
 
   private draw(values: number[]): void {

@@ -1,5 +1,6 @@
-// The shared time axis of all charts: the stretch of time that they show, and their cursor. The stretch follows the flight, or it
-// stands still for inspection while the flight goes on and its history grows.
+// The playhead of the page and the shared time axis of all charts: the stretch of time that they show, and their cursor. Both follow the
+// flight, or stand in its past while the flight goes on and its history grows. The playhead of a mirrored recording is the server's: this
+// page asks for a move, and the flight then comes to the new moment.
 
 /** A stretch of time: begin and end, s. */
 export type Span = [number, number];
@@ -22,8 +23,10 @@ export class View {
   windowS = 20;
   /** Time by which a forecast reaches beyond the newest tick, s. */
   leadS = 0;
-  /** Time at which the operator put the cursor during an inspection, s. */
+  /** Time of the playhead in the past, s; null while it follows the flight. */
   pinned: number | null = null;
+  /** Moves the playhead of a mirrored recording to a time, s; null if the playhead is this page's own. */
+  remote: ((time: number) => void) | null = null;
   /** Position of the pointer as a part of the width. */
   pointer: number | null = null;
   /** Begin and end of the range of the statistics, s. */
@@ -40,6 +43,16 @@ export class View {
 
   get inspecting(): boolean {
     return this.held !== null;
+  }
+
+  /** Time of the newest tick, s. */
+  newest(): number {
+    return this.clock.now();
+  }
+
+  /** Time of the oldest tick of the history, s. */
+  oldest(): number {
+    return this.clock.oldest();
   }
 
   get zoomed(): boolean {
@@ -72,7 +85,7 @@ export class View {
   hold(): void {
     if (this.held !== null) return;
     this.held = this.span();
-    this.pinned = this.clock.now();
+    if (this.remote === null) this.pinned = this.clock.now();
     this.version += 1;
   }
 
@@ -91,7 +104,7 @@ export class View {
     const middle = (from + to) / 2;
     this.behind ??= { held: this.held };
     this.held = [middle - half, middle + half];
-    if (this.pinned === null || this.pinned < from || this.pinned > to) this.pinned = Math.min(middle, this.clock.now());
+    if (this.remote === null && (this.pinned === null || this.pinned < from || this.pinned > to)) this.pinned = Math.min(middle, this.clock.now());
     this.version += 1;
   }
 
@@ -128,8 +141,9 @@ export class View {
     this.zoom(middle - at * length, middle + (1 - at) * length);
   }
 
-  /** Puts the cursor on `time`, in the middle of the stretch. */
+  /** Puts the playhead on `time`, in the middle of the stretch. */
   show(time: number): void {
+    if (this.remote !== null) return this.remote(time);
     this.held = this.around(time, this.held === null || this.zoomed ? this.windowS : this.held[1] - this.held[0]);
     this.behind = null;
     this.pinned = time;
@@ -137,8 +151,9 @@ export class View {
     this.version += 1;
   }
 
-  /** Moves the cursor; the stretch follows when the cursor leaves it. */
+  /** Moves the playhead; the stretch follows when the playhead leaves it. */
   moveCursor(time: number): void {
+    if (this.remote !== null) return this.remote(time);
     this.hold();
     this.pinned = Math.min(this.clock.now(), Math.max(this.clock.oldest(), time));
     this.pointer = null;

@@ -7,6 +7,8 @@ import type { Hello } from "../protocol";
 export interface Failure {
   at_s: number;
   text: string;
+  /** Channels that show it: the signal, then its limits; empty if the demand limits no number of a tick. */
+  channels: string[];
 }
 
 export interface Head {
@@ -27,6 +29,13 @@ export interface Head {
 export interface Flight {
   head: Head;
   frames: Telemetry[];
+}
+
+/** Whether the flight met its demands, in words; without a judgement its verdict. */
+export function outcome({ passed, verdict, failures }: Pick<Head, "passed" | "verdict" | "failures">): string {
+  if (passed === null) return verdict;
+  if (passed) return `✓ ${verdict}`;
+  return `✕ ${failures.length} ${failures.length === 1 ? "demand" : "demands"} not met`;
 }
 
 const LENGTH_BYTES = 4;

@@ -8,7 +8,7 @@ const ids = (text: string): string[] => [...text.matchAll(/ id="([^"]+)"/g)].map
 
 describe("the page of a recorded flight", () => {
   it("holds what both pages show, each once, and its own places for style, flight and script", () => {
-    for (const id of ["scene", "hand", "view", "charts", "timeline", "events", "notices", "picker", "help-keys", "theme", "scrub"]) expect(ids(page)).toContain(id);
+    for (const id of ["scene", "hand", "view", "charts", "timeline", "events", "notices", "picker", "help-keys", "theme", "lanes", "at", "sections"]) expect(ids(page)).toContain(id);
     expect(new Set(ids(page)).size).toBe(ids(page).length);
     for (const place of ["<title>twin</title>", "/*replay.css*/", "/*flight*/", "/*replay.js*/"]) expect(page.split(place).length, place).toBe(2);
   });

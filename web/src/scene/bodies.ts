@@ -1,12 +1,12 @@
 // Everything that hello.scene describes: bodies, rotor discs, the payload and the ghost of the reference. The ghost is the
 // vehicle's root alone: telemetry gives the reference of the root, not of the arm.
 import { Box3, Color, Group, type Mesh, MeshLambertMaterial, Vector3 } from "three";
+import { POSE_FLOATS } from "../data/pose";
 import type { Scene, SceneGroup } from "../protocol";
 import { MARKS_LAYER } from "./layers";
 import { glass, rims, Rotors } from "./rotors";
 import { dispose, meshesOf, place } from "./shapes";
 
-export const POSE_FLOATS = 7;
 const GHOST_ALPHA = 0.35;
 /** From this distance between vehicle and reference on, the ghost has its full opacity; nearer it would only tint the vehicle, m. */
 const GHOST_FULL_M = 0.15;

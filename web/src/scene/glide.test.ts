@@ -1,6 +1,7 @@
 import { Quaternion, Vector3 } from "three";
 import { describe, expect, it } from "vitest";
-import { blendPose, Glide } from "./glide";
+import { blendPose } from "../data/pose";
+import { Glide } from "./glide";
 
 /** Tolerance of a few roundings, because values are stored as f32 with 24 bits of mantissa. */
 const F32 = 2e-6;

@@ -2,7 +2,8 @@
 // 10 frames/s looks as smooth as at 100. Nothing is extrapolated: once the newest frame is reached, it is shown exactly. State: the
 // values shown, at the start of the glide, and at its target; each is poses (x y z, w x y z) followed by single numbers.
 
-const POSE_FLOATS = 7;
+import { at, blendPose, mixed, POSE_FLOATS } from "../data/pose";
+
 /** Weight of a new interval in the mean frame period. */
 const SMOOTHING = 0.1;
 /** A longer interval is a pause and does not count as a frame period, ms. */
@@ -79,33 +80,4 @@ export class Glide {
     for (let i = this.poses * POSE_FLOATS; i < this.shown.length; i += 1) this.shown[i] = mixed(at(this.start, i), at(this.target, i), part);
     return true;
   }
-}
-
-/** Interpolates the pose at the share `part` between `from` and `to`: the position along the line, the attitude by slerp. */
-export function blendPose(out: Float32Array, from: Float32Array, to: Float32Array, offset: number, part: number): void {
-  for (let i = offset; i < offset + 3; i += 1) out[i] = mixed(at(from, i), at(to, i), part);
-  const q = offset + 3;
-  const dot = at(from, q) * at(to, q) + at(from, q + 1) * at(to, q + 1) + at(from, q + 2) * at(to, q + 2) + at(from, q + 3) * at(to, q + 3);
-  let [a, b] = [1 - part, part];
-  const angle = Math.acos(Math.min(1, Math.abs(dot)));
-  if (angle > 1e-4) {
-    a = Math.sin((1 - part) * angle) / Math.sin(angle);
-    b = Math.sin(part * angle) / Math.sin(angle);
-  }
-  // Two quaternions of opposite sign are the same attitude; this sign gives the shorter turn.
-  if (dot < 0) b = -b;
-  for (let i = q; i < q + 4; i += 1) {
-    const value = a * at(from, i) + b * at(to, i);
-    out[i] = Number.isNaN(value) ? at(to, i) : value;
-  }
-}
-
-/** Interpolates a number; if either end is unknown, it is the newest value. */
-function mixed(from: number, to: number, part: number): number {
-  const value = from + part * (to - from);
-  return Number.isNaN(value) ? to : value;
-}
-
-function at(values: Float32Array, index: number): number {
-  return values[index] ?? NaN;
 }

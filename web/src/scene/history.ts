@@ -1,7 +1,7 @@
 // Keeps the last telemetry frames to compute speeds. Telemetry has no velocities of bodies, so they are computed from poses.
 import { Quaternion } from "three";
+import { POSE_FLOATS } from "../data/pose";
 
-const POSE_FLOATS = 7;
 const FRAMES = 32;
 /** Speeds are means over about this time, s. A shorter time gives noisy speeds, a longer one late speeds. */
 const SPAN_S = 0.15;

@@ -1,10 +1,11 @@
 // The 3-D view: builds the scene that hello describes, interpolates between telemetry frames, and draws only after a change. While
 // the flight is paused it shows the newest frame exactly.
 import { Vector3 } from "three";
+import { POSE_FLOATS } from "../data/pose";
 import type { Telemetry } from "../link/decode";
 import type { Palette } from "../panels/theme";
 import type { ClientMessage, Hello } from "../protocol";
-import { Bodies, type Body, POSE_FLOATS } from "./bodies";
+import { Bodies, type Body } from "./bodies";
 import { Camera, type CameraMode } from "./camera";
 import { SceneChannels } from "./channels";
 import { rimOf } from "./framing";
@@ -185,6 +186,26 @@ export class World {
     // While the flight runs the bodies are moved when a picture is drawn, because there are more frames than pictures.
     if (this.flying) this.unplaced = true;
     else this.place();
+  }
+
+  /** Shows `frame` at the end of another path, whose points `path` hands over. */
+  retrace(path: (point: (timeS: number, poses: Float32Array) => void) => void, frame: Telemetry): void {
+    if (this.bodies === null) return;
+    const reference = this.bodies.moving.length * POSE_FLOATS;
+    const vehicle = (this.bodies.vehicle()?.index ?? 0) * POSE_FLOATS;
+    this.clear();
+    path((timeS, poses) => {
+      this.overlays.remember(poses, vehicle, reference, timeS);
+      this.history.add(timeS, poses);
+    });
+    this.update(frame);
+  }
+
+  /** Hides all bodies while the page has no picture of the shown moment. */
+  conceal(hidden: boolean): void {
+    if (this.bodies === null || this.bodies.root.visible === !hidden) return;
+    this.bodies.root.visible = !hidden;
+    if (hidden) this.clear();
   }
 
   recolor(palette: Palette): void {
