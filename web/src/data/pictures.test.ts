@@ -28,7 +28,12 @@ describe("Pictures", () => {
 
   it("makes nothing up before the first picture, after the last one and in a long gap", () => {
     const pictures = filled(100, 200);
-    for (const tick of [99, 150, 201]) expect(pictures.at(tick), `tick ${tick}`).toBeNull();
+    for (const tick of [96, 150, 204]) expect(pictures.at(tick), `tick ${tick}`).toBeNull();
+  });
+
+  it("has the picture of a frame for the ticks that came with it", () => {
+    const pictures = filled(100, 200);
+    expect([98, 202].map((tick) => pictures.at(tick)?.poses[0])).toEqual([100, 200]);
   });
 
   it("keeps the last ticks of a long flight and forgets the older ones", () => {
@@ -36,7 +41,7 @@ describe("Pictures", () => {
     for (let tick = 0; tick < 3 * CAPACITY; tick += 1) pictures.put(frame(tick));
     expect(pictures.at(3 * CAPACITY - 1)?.poses[0]).toBe(3 * CAPACITY - 1);
     expect(pictures.at(2 * CAPACITY)?.poses[0]).toBe(2 * CAPACITY);
-    expect(pictures.at(2 * CAPACITY - 1)).toBeNull();
+    expect(pictures.at(2 * CAPACITY - 4)).toBeNull();
   });
 
   it("keeps contacts and spectrum of their own tick, and a copy, not the memory of the frame", () => {

@@ -8,6 +8,8 @@ import { blendPose, POSE_FLOATS } from "./pose";
 const BLOCK_TICKS = 1024;
 /** Two pictures that are farther apart than this have nothing between them, ticks. */
 const LONGEST_GAP_TICKS = 25;
+/** A frame has a picture of its newest tick only; it stands for the ticks of the frame too. */
+const NEAR_TICKS = 3;
 const NOTHING = new Float32Array();
 
 /** The moving bodies and what touches them at one tick. */
@@ -69,11 +71,11 @@ export class Pictures {
   /** The picture at `tick`: its own, one between its neighbours, or null if no picture is near. */
   at(tick: number): Picture | null {
     const before = this.before(tick);
-    if (Number.isNaN(before)) return null;
+    if (Number.isNaN(before)) return this.near(this.after(tick, tick + NEAR_TICKS));
     const [contacts, spectrum] = [this.contacts[this.slot(before)] ?? NOTHING, this.spectra[this.slot(before)] ?? NOTHING];
     if (before === tick) return { poses: this.poses(tick), contacts, spectrum };
     const after = this.after(tick, before + LONGEST_GAP_TICKS);
-    if (Number.isNaN(after)) return null;
+    if (Number.isNaN(after)) return this.near(tick - before <= NEAR_TICKS ? before : NaN);
     const [from, to] = [this.poses(before), this.poses(after)];
     const poses = new Float32Array(this.width);
     const part = (tick - before) / (after - before);
@@ -93,6 +95,11 @@ export class Pictures {
   spectrumAt(tick: number): Float32Array {
     const before = this.before(tick);
     return Number.isNaN(before) || tick - before > LONGEST_GAP_TICKS ? NOTHING : (this.spectra[this.slot(before)] ?? NOTHING);
+  }
+
+  /** The picture of `tick` itself; null for NaN. */
+  private near(tick: number): Picture | null {
+    return Number.isNaN(tick) ? null : this.at(tick);
   }
 
   private has(tick: number): boolean {

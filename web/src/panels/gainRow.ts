@@ -20,6 +20,8 @@ export interface GainRowHandlers {
   commit(name: string, from: number, to: number): void;
   /** Tells that the operator looks at this gain. */
   point(name: string): void;
+  /** Stars the gain, or takes the star away. */
+  star(name: string): void;
 }
 
 export class GainRow {
@@ -28,6 +30,7 @@ export class GainRow {
   private readonly field: HTMLInputElement | null;
   private readonly revert: HTMLButtonElement;
   private readonly track: HTMLElement;
+  private readonly starButton = element("button", { className: "star", textContent: "☆" });
   private readonly tick = element("span", { className: "tick" });
   private readonly unit: HTMLElement;
   private before: number | null = null;
@@ -60,6 +63,7 @@ export class GainRow {
       this.field ?? element("span"),
       element("span", { className: "unit" }, [this.unit, this.tick]),
       this.revert,
+      this.starButton,
     ]);
     this.root.dataset["gain"] = name;
     this.listen(onOff);
@@ -105,6 +109,14 @@ export class GainRow {
     this.tick.title = tick === undefined ? "" : `in force from tick ${tick}`;
   }
 
+  showStar(on: boolean): void {
+    const { label } = this.gain();
+    setText(this.starButton, on ? "★" : "☆");
+    this.starButton.ariaPressed = String(on);
+    this.starButton.ariaLabel = `${label} starred`;
+    this.starButton.title = on ? "Starred: the layout fly lists it" : "Star: the layout fly lists it";
+  }
+
   /** Shows beside a gain without a unit what it amounts to. */
   note(text: string): void {
     setText(this.unit, text);
@@ -125,6 +137,7 @@ export class GainRow {
   private listen(onOff: boolean): void {
     this.root.addEventListener("pointerenter", () => this.handlers.point(this.gain().name));
     this.root.addEventListener("focusin", () => this.handlers.point(this.gain().name));
+    this.starButton.addEventListener("click", () => this.handlers.star(this.gain().name));
     this.revert.addEventListener("click", () => this.finish(this.gain().preset_value));
     if (onOff) {
       this.slider.addEventListener("change", () => this.finish(this.slider.checked ? 1 : 0));

@@ -25,6 +25,9 @@ export class GainPanel {
   private readonly resetButton = byId<HTMLButtonElement>("reset-all");
   private readonly filter = byId<HTMLInputElement>("gain-filter");
   private readonly collapsed = remembered<string[]>("twin.collapsed", []);
+  private readonly starred = remembered<string[]>("twin.starred", []);
+  /** Whether only gains that are changed or starred are listed, unless the operator searches. */
+  private brief = false;
   private readonly presetButtons: HTMLButtonElement[];
 
   /** `changed` is called whenever a value or the history may have changed. */
@@ -55,6 +58,12 @@ export class GainPanel {
     return this.desk.model;
   }
 
+  /** Lists only gains that are changed or starred, or all. */
+  setBrief(brief: boolean): void {
+    this.brief = brief;
+    this.applyFilter();
+  }
+
   /** Shows the gains of a new connection or flight. */
   rebuild(hello: Hello): void {
     this.desk.rebuild(hello);
@@ -62,7 +71,7 @@ export class GainPanel {
     this.past = null;
     this.rows = new Map();
     const groups = [...new Set(hello.gains.map((gain) => gain.group))];
-    byId("gains").replaceChildren(...groups.map((group) => this.group(group)), element("p", { className: "none muted", textContent: "No gain has this text in its name or help.", hidden: true }));
+    byId("gains").replaceChildren(...groups.map((group) => this.group(group)), element("p", { className: "none muted", hidden: true }));
     this.applyFilter();
     this.refresh();
   }
@@ -109,7 +118,7 @@ export class GainPanel {
 
   /** Scrolls to the slider of `name` and gives it the focus. */
   focus(name: string): void {
-    this.filter.value = "";
+    this.filter.value = this.brief && !this.model.modified(name) ? name : "";
     this.applyFilter();
     const row = this.rows.get(name);
     const group = row?.root.closest("details");
@@ -143,6 +152,7 @@ export class GainPanel {
       row.mark(this.model.modified(name), this.model.tickOf(name));
       row.show();
     });
+    if (this.brief) this.applyFilter();
     const count = this.model.modifiedCount();
     setText(byId("modified"), count === 0 ? "as preset" : `${count} changed`);
     byId("modified").title = `${count} of ${this.model.list().length} gains differ from preset ${this.model.base ?? "chosen last"}`;
@@ -179,7 +189,7 @@ export class GainPanel {
     details.dataset["group"] = group;
     details.addEventListener("toggle", () => {
       // The filter opens groups by itself; only groups that the operator opens are remembered.
-      if (this.filter.value !== "") return;
+      if (this.filter.value !== "" || this.brief) return;
       const others = this.collapsed.get().filter((name) => name !== group);
       this.collapsed.set(details.open ? others : [...others, group]);
     });
@@ -195,25 +205,39 @@ export class GainPanel {
         this.refresh();
       },
       point: (name) => this.point(name),
+      star: (name) => this.star(name),
     });
+    row.showStar(this.starred.get().includes(gain.name));
     this.rows.set(gain.name, row);
     return row.root;
   }
 
   private applyFilter(): void {
     const wanted = this.filter.value.trim().toLowerCase();
+    const few = this.brief && wanted === "";
     this.rows.forEach((row, name) => {
       const gain = this.model.get(name);
-      row.root.hidden = !`${name} ${gain?.label ?? ""} ${spelled(gain?.label ?? "")} ${gain?.group ?? ""} ${gain?.help ?? ""}`.toLowerCase().includes(wanted);
+      if (few) row.root.hidden = !(this.model.modified(name) || this.starred.get().includes(name) || row.root.contains(document.activeElement));
+      else row.root.hidden = !`${name} ${gain?.label ?? ""} ${spelled(gain?.label ?? "")} ${gain?.group ?? ""} ${gain?.help ?? ""}`.toLowerCase().includes(wanted);
     });
     let found = false;
     for (const details of document.querySelectorAll<HTMLDetailsElement>("#gains details")) {
       details.hidden = details.querySelector(".gain:not([hidden])") === null;
-      details.open = wanted !== "" || !this.collapsed.get().includes(details.dataset["group"] ?? "");
+      details.open = wanted !== "" || few || !this.collapsed.get().includes(details.dataset["group"] ?? "");
       found ||= !details.hidden;
     }
     const none = document.querySelector<HTMLElement>("#gains .none");
-    if (none !== null) none.hidden = found;
+    if (none === null) return;
+    none.hidden = found;
+    setText(none, few ? "Every gain has its value of the preset, and none is starred. Search above to change one; ☆ keeps it here. The layout tune lists all." : "No gain has this text in its name or help.");
+  }
+
+  private star(name: string): void {
+    const others = this.starred.get().filter((other) => other !== name);
+    const on = others.length === this.starred.get().length;
+    this.starred.set(on ? [...others, name] : others);
+    this.rows.get(name)?.showStar(on);
+    this.applyFilter();
   }
 
   private point(name: string): void {

@@ -16,7 +16,7 @@ describe("link readings", () => {
     expect(rows.get("data")).toBe("5.0 kB/s");
     expect(rows.get("telemetry")).toBe("10 frames/s");
     expect(rows.get("lost ticks")).toBe("4 in 1 gaps");
-    expect([rows.get("age of the data"), rows.get("page"), rows.get("clients"), rows.get("reconnects")]).toEqual(["90 ms", "42 frames/s", "3", "0"]);
+    expect([rows.get("age of the data"), rows.get("3-D view"), rows.get("clients"), rows.get("reconnects")]).toEqual(["90 ms", "42 pictures/s", "3", "0"]);
   });
 
   it("count connections after the first, and start the lost ticks anew", () => {

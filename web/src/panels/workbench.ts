@@ -10,6 +10,7 @@ import { FrameRate } from "./frameRate";
 import { GainPanel, PRESETS } from "./gains";
 import { SLOTS } from "./gainSets";
 import { HistoryList } from "./historyList";
+import { startLayout } from "./layout";
 import { LinkPanel } from "./linkPanel";
 import { LossNotice } from "./lossNotice";
 import { notify } from "./notices";
@@ -51,6 +52,7 @@ export class Workbench {
       byId("gains-head").hidden = id === "tab-world";
       if (this.history !== undefined) this.changed();
     });
+    startLayout((layout) => this.gains.setBrief(layout === "fly"));
     this.sectionTabs = startTabs(byId("sections"), "twin.section", (id) => (document.body.dataset["section"] = id));
     this.saveOverride = overrideDialog(() => store.hello?.scenario ?? "scenario");
     byId("override-open").addEventListener("click", () => void this.saveOverride());

@@ -221,7 +221,7 @@ export function demandSpec(channels: string[], known: ChannelInfo[], k: number):
   if (signal === undefined) return null;
   return {
     key: `demand-${k}`,
-    title: `Not kept: ${signal.label.replaceAll("_", " ")}`,
+    title: `Not kept: ${signal.label.replace(/_(m|rad|n|m_s)$/, "").replaceAll("_", " ")}`,
     smallestSpan: 1e-3,
     tall: true,
     series: [
