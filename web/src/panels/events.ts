@@ -6,6 +6,8 @@ import type { EventInfo } from "../protocol";
 import { byId, element } from "./dom";
 
 const KEPT_LINES = 500;
+/** Other events come between the two of a drag; so many lines are looked at. */
+const LINES_OF_A_DRAG = 12;
 const AT_THE_END_PX = 24;
 
 interface Line {
@@ -43,10 +45,7 @@ export class EventLog {
     if (events.length === 0) return;
     this.list.querySelector(".empty")?.remove();
     for (const told of events) {
-      const last = this.lines.at(-1);
-      const both = last === undefined ? null : joined(last.event, told);
-      if (both !== null) this.lines.pop()?.item.remove();
-      const event = both ?? told;
+      const event = this.takeBack(told) ?? told;
       const item = line(event, () => this.choose(event));
       this.list.append(item);
       this.lines.push({ event, item });
@@ -77,6 +76,18 @@ export class EventLog {
         item.title = gone ? `tick ${event.tick}: not in the history of the charts` : `tick ${event.tick}: show it on the charts`;
       }
     }
+  }
+
+  /** Takes the line of the same drag of a slider back, and returns the event of the whole drag; null if `next` belongs to no drag. */
+  private takeBack(next: EventInfo): EventInfo | null {
+    for (const line of this.lines.slice(-LINES_OF_A_DRAG)) {
+      const both = joined(line.event, next);
+      if (both === null) continue;
+      line.item.remove();
+      this.lines.splice(this.lines.indexOf(line), 1);
+      return both;
+    }
+    return null;
   }
 
   private key(event: KeyboardEvent): void {

@@ -9,6 +9,7 @@ import { handReading } from "../panels/handReading";
 import { startKeys } from "../panels/keys";
 import { notify } from "../panels/notices";
 import { SceneView } from "../panels/sceneView";
+import { Story } from "../panels/story";
 import { startTabs } from "../panels/tabs";
 import { readPalette, startTheme } from "../panels/theme";
 import { ChartColumn } from "../plots/column";
@@ -95,6 +96,7 @@ function start({ head, frames }: Flight): void {
   startKeys(commands);
   if (first !== undefined) view.markers = head.failures.map(({ at_s }) => at_s);
   view.show(Math.min(view.newest(), Math.max(view.oldest(), head.opens_at_s)));
+  const story = new Story(store);
   const texts = new Beat();
   let before = performance.now();
   requestAnimationFrame(frame);
@@ -136,6 +138,7 @@ function start({ head, frames }: Flight): void {
     setText(byId("time"), `${local.timeS.toFixed(2)} s`);
     setText(byId("task-phase"), store.phaseText());
     setText(byId("hand-reading"), handReading(store));
+    story.readings();
   }
 }
 

@@ -20,7 +20,8 @@ export function handOf(scene: Scene): string | undefined {
 }
 
 export class HandView {
-  shown = true;
+  /** On a phone the close-up would hide the vehicle, so it is shown on request. */
+  shown = !matchMedia("(max-width: 480px)").matches;
   private readonly camera = new PerspectiveCamera(FIELD_OF_VIEW_DEG, 1, 0.02, 20);
   private readonly place = new Vector3();
   private readonly heading = new Vector3();
