@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { mkdirSync, readFileSync } from "node:fs";
 import path from "node:path";
 import { after, before, test } from "node:test";
-import { freePort, launchBrowser, openConsole, pause, ROOT, startTwin, until } from "./harness.mjs";
+import { freePort, launchBrowser, openHeld, pause, ROOT, startTwin, until } from "./harness.mjs";
 import { Oracle } from "./oracle.mjs";
 
 /** A hover with a grasped payload of 500 g. The payload drops at 10 s, and with the paper's gains the covariance is reset then. */
@@ -28,13 +28,8 @@ before(async () => {
   browser = await launchBrowser();
   twin = await startTwin(SCENARIO, await freePort());
   oracle = await Oracle.connect(twin.url);
-  send({ type: "restart", seed: null, scenario: null });
-  send({ type: "pause", paused: true });
-  // A page learns the state of the flight from its first telemetry, so the flight is stepped until the page has some.
-  const nudge = setInterval(() => send({ type: "step", ticks: 1 }), 1000);
-  view = await openHeld();
+  view = await openHeld(await losing(), twin.url, send);
   page = view.page;
-  clearInterval(nudge);
   await advance(100);
 }, LIMIT);
 
@@ -47,12 +42,14 @@ after(async () => {
 const send = (message) => oracle.socket.send(JSON.stringify(message));
 const charts = (on = page) => on.evaluate(() => window.__twin.charts);
 const lastTick = (on = page) => on.evaluate(() => window.__twin.lastTick);
+/** The value of a channel as the charts draw it: without the known weight. */
+const drawnAt = async (channel, tick) => (await at(channel, tick)) - (oracle.hello.channels.find(({ name }) => name === channel).weight ?? 0);
 const at = (channel, tick, on = page) => on.evaluate(([name, when]) => window.__twin.at(name, when), [channel, tick]);
 const panel = async (key) => (await charts()).panels.find((candidate) => candidate.key === key);
 const over = (key) => page.locator(`.chart[data-key="${key}"] .u-over`);
 
-/** A console that can lose frames: while `window.__lose` is set, telemetry is dropped before the page sees it. */
-async function openHeld() {
+/** A browser whose page can lose frames: while `window.__lose` is set, telemetry is dropped before the page sees it. */
+async function losing() {
   const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, colorScheme: "dark", acceptDownloads: true });
   await context.addInitScript(() => {
     const Original = window.Worker;
@@ -62,7 +59,7 @@ async function openHeld() {
       }
     };
   });
-  return openConsole({ newContext: async () => context }, twin.url);
+  return { newContext: async () => context };
 }
 
 /** Flies `ticks` more and waits until the page has received them. */
@@ -105,14 +102,14 @@ test("the most important charts come first and read what telemetry says", LIMIT,
   const { panels } = await charts();
   assert.deepEqual(panels.slice(0, 5).map(({ key }) => key), ["residual", "foresight", "innovation", "covariance", "tracking"]);
   const tick = await settled();
-  await until(async () => (await panel("residual")).series[0].value === (await at("residual.z", tick)), SOON, "the newest residual");
+  await until(async () => (await panel("residual")).series[0].value === (await drawnAt("residual.z", tick)), SOON, "the newest residual");
   assert.equal(await panel("spectrum"), undefined, "the covariance of this adapter is one number: no bars");
 });
 
 test("residuals as z-scores are residuals over the scale of the channel", LIMIT, async () => {
   const tick = await settled();
   const scale = oracle.hello.channels.find(({ name }) => name === "residual.z").z_scale;
-  const physical = await at("residual.z", tick);
+  const physical = await drawnAt("residual.z", tick);
   await page.locator('.chart[data-key="residual"] button', { hasText: "z-score" }).click();
   await until(async () => (await charts()).zscore, SOON, "z-scores");
   const near = async () => Math.abs((await panel("residual")).series[0].value - physical / scale) <= FLOAT_SHARE * Math.abs(physical);
@@ -130,7 +127,7 @@ test("the cursor of one chart reads the same moment on all, as the history holds
   assert.ok(cursorTick >= 0 && cursorTick < (await lastTick()));
   for (const { key, series } of panels.filter(({ key, visible }) => visible && key !== "spectrum" && key !== "foresight")) {
     for (const { channel, value } of series.filter(({ channel }) => !/^(foresight_std|foretold)\./.test(channel))) {
-      assert.equal(value, await at(channel, cursorTick), `${key} ${channel}`);
+      assert.equal(value, await drawnAt(channel, cursorTick), `${key} ${channel}`);
     }
   }
   const text = await page.locator('.chart[data-key="innovation"] output').first().innerText();
@@ -178,7 +175,7 @@ test("inspecting holds the window while the flight and its history go on", LIMIT
   const newest = await advance(150);
   assert.deepEqual((await charts()).span, held);
   assert.notEqual(await at("residual.z", newest), null, "the history goes on");
-  assert.match(await page.locator("#inspect-text").innerText(), /inspecting \d+\.\d\d s · live is at \d+\.\d\d s/);
+  await until(async () => (await page.locator("#behind").innerText()) === "−1.5 s", SOON, "the timeline says how far back this is");
 
   const start = (await charts()).cursorTick;
   await page.keyboard.press("ArrowLeft");
@@ -193,9 +190,10 @@ test("inspecting holds the window while the flight and its history go on", LIMIT
   assert.notEqual(await at("residual.z", oldest), null);
   assert.equal(await at("residual.z", oldest - 1), null, "nothing older is held");
   await page.keyboard.press("End");
-  assert.equal((await charts()).cursorTick, newest);
+  assert.equal((await charts()).inspecting, false, "the newest moment is that of the flight");
 
-  await page.locator("#inspect").click();
+  await page.keyboard.press("ArrowLeft");
+  await page.locator("#to-live").click();
   await until(async () => !(await charts()).inspecting, SOON, "one press back to live");
   await drawn();
   const { span } = await charts();
@@ -301,19 +299,24 @@ test("resets are marked where telemetry has them, and an event shows its moment"
 });
 
 test("what is seen can be saved: every tick of every channel shown, and a picture", LIMIT, async () => {
+  const save = async (kind) => {
+    if (await page.locator("#charts-options").isHidden()) await page.locator("#charts-menu").click();
+    await page.locator(`#save-${kind}`).click();
+  };
   await page.keyboard.press("p");
   await drawn();
-  const [csv] = await Promise.all([page.waitForEvent("download"), page.locator("#save-csv").click()]);
+  const [csv] = await Promise.all([page.waitForEvent("download"), save("csv")]);
   const lines = readFileSync(await csv.path(), "utf8").trim().split("\r\n").map((line) => line.split(","));
   const [head, ...rows] = lines;
   assert.deepEqual(head.slice(0, 3), ["tick", "t_s", "residual.z [N]"]);
   const { gaps } = await charts();
   assert.ok(rows.every(([tick]) => gaps.every(({ from, to }) => tick < from || tick > to)), "no line for a lost tick");
   for (const row of rows.filter((_, k) => k % 97 === 0)) assert.equal(Math.fround(Number(row[2])), await at("residual.z", Number(row[0])));
-  const [png] = await Promise.all([page.waitForEvent("download"), page.locator("#save-png").click()]);
+  const [png] = await Promise.all([page.waitForEvent("download"), save("png")]);
   const bytes = readFileSync(await png.path());
   assert.deepEqual([...bytes.subarray(1, 4)], [...Buffer.from("PNG")]);
   assert.ok(bytes.readUInt32BE(20) > 700, "as high as all charts together");
+  await page.keyboard.press("Escape");
   await live();
 });
 
@@ -323,7 +326,7 @@ test("nothing sticks out of the charts and the page complains about nothing", LI
     await pause(500);
     const faults = await page.evaluate(() => {
       const column = document.querySelector(".charts").getBoundingClientRect();
-      return [...document.querySelectorAll(".charts-head > *, .charts-foot > *, .chart-head > *")]
+      return [...document.querySelectorAll(".charts-head > *, .story, .chart-head > *")]
         .map((node) => ({ name: node.id || node.textContent, box: node.getBoundingClientRect() }))
         .filter(({ box }) => box.width > 0 && (box.left < column.left - 0.5 || box.right > column.right + 0.5))
         .map(({ name, box }) => `${name} from ${box.left} to ${box.right}`);

@@ -1,7 +1,7 @@
 // The fan of forecasts and the lead, as drawn: pixels of the screen are compared with the times that telemetry says.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { freePort, launchBrowser, NOISE, openConsole, pause, startTwin, until } from "./harness.mjs";
+import { freePort, launchBrowser, NOISE, openHeld, pause, startTwin, until } from "./harness.mjs";
 import { Oracle } from "./oracle.mjs";
 
 const SOON = 40_000;
@@ -29,11 +29,7 @@ before(async () => {
   const flags = ["--set", "predictor.kind=fdt", "--set", "gains.preset=tuned"];
   twin = await startTwin("scenarios/hover.toml", await freePort(), flags);
   oracle = await Oracle.connect(twin.url);
-  send({ type: "restart", seed: null, scenario: null });
-  send({ type: "pause", paused: true });
-  // A page learns the state of the flight from its first telemetry, so the flight is stepped until the page has some.
-  const nudge = setInterval(() => send({ type: "step", ticks: 1 }), 1000);
-  view = await openConsole(browser, twin.url).finally(() => clearInterval(nudge));
+  view = await openHeld(browser, twin.url, send);
   page = view.page;
   await page.locator("#window").selectOption(String(WINDOW_S));
   send({ type: "step", ticks: 300 });

@@ -118,11 +118,22 @@ export async function openPage(browser, url, ready, { kinds = ["error"], withinM
   return { page, complaints, asked, close: () => context.close() };
 }
 
-/** Opens the console and waits until it shows a flight. */
-export function openConsole(browser, url, options = {}) {
+/** Opens the console in the layout with every gain, and waits until it shows a flight. */
+export function openConsole(browser, url, { layout = "tune", ...options } = {}) {
   const shows = () => (window.__twin?.lastTick ?? -1) >= 0;
   const look = { viewport: { width: 1280, height: 720 }, colorScheme: "dark" };
-  return openPage(browser, url, shows, { ...look, kinds: ["error", "warning"], withinMs: 20_000, ...options });
+  return openPage(browser, `${url}/#${layout}`, shows, { ...look, kinds: ["error", "warning"], withinMs: 20_000, ...options });
+}
+
+/**
+ * Starts the flight anew, holds it, and opens the console on it; `send` sends a message to the server. A page learns the state of a flight
+ * from its first telemetry, so the flight is stepped until the page has some.
+ */
+export async function openHeld(browser, url, send, options = {}) {
+  send({ type: "restart", seed: null, scenario: null });
+  send({ type: "pause", paused: true });
+  const nudge = setInterval(() => send({ type: "step", ticks: 1 }), 1000);
+  return openConsole(browser, url, options).finally(() => clearInterval(nudge));
 }
 
 /** The values that the page shows. */

@@ -31,11 +31,8 @@ const nowS = () => page.evaluate(() => window.__twin.lastTick * 0.01);
 const phase = () => page.evaluate(() => window.__twin.state.phase);
 
 const seek = async (timeS) => {
-  await page.$eval("#mirror-time", (slider, value) => {
-    slider.value = String(value);
-    slider.dispatchEvent(new Event("input"));
-    slider.dispatchEvent(new Event("change"));
-  }, timeS);
+  await page.fill("#at", String(timeS));
+  await page.press("#at", "Enter");
   await until(async () => Math.abs((await nowS()) - timeS) <= TICK_S, 20_000, `the console shows ${timeS} s`);
 };
 
@@ -81,11 +78,12 @@ test("a stretch marked on the charts is played again and again", async () => {
   await seek(4);
   // The keys I and O mark the range at the time of playback, so the stretch reaches from 4 s to about 5 s.
   await page.keyboard.press("i");
-  await page.click("#pause");
+  await page.click("#play");
   await until(async () => (await nowS()) >= 5, 20_000, "a second is played");
   await page.keyboard.press("o");
-  await page.click("#mirror-loop");
-  const [from, to] = (await page.textContent("#mirror-loop")).match(/[\d.]+/g).map(Number);
+  await page.click("#loop");
+  await until(async () => (await page.textContent("#loop")) !== "Loop", 20_000, "the button names the stretch");
+  const [from, to] = (await page.textContent("#loop")).match(/[\d.]+/g).map(Number);
   assert.ok(from >= 3.9 && from <= 4.2 && to >= 4.9 && to < FLIGHT_S - 1, `${from} to ${to}`);
   const seen = [];
   await until(async () => {
@@ -94,21 +92,43 @@ test("a stretch marked on the charts is played again and again", async () => {
   }, 40_000, () => `it went back twice; seen ${seen.slice(-20).join(", ")}`);
   // The page checks the end of the loop a few times a second, and the seek takes a time that depends on the machine.
   assert.ok(Math.max(...seen) < to + 2, `${Math.max(...seen)} after ${to}`);
-  await page.click("#mirror-loop");
-  assert.equal(await page.textContent("#mirror-loop"), "Loop");
+  await page.click("#loop");
+  await until(async () => (await page.textContent("#loop")) === "Loop", 20_000, "no loop");
 });
 
 test("the whole of it is played again from its end when nothing is marked", async () => {
   await page.keyboard.press("Control+k");
   await page.keyboard.type("forget the range");
   await page.keyboard.press("Enter");
-  if ((await phase()) === "flying") await page.click("#pause");
+  if ((await phase()) === "flying") await page.click("#play");
   await until(async () => (await phase()) === "paused", 20_000, "it is held");
   await seek(FLIGHT_S - 1);
-  await page.click("#mirror-loop");
-  await page.click("#pause");
+  await page.click("#loop");
+  await page.click("#play");
   await until(async () => (await nowS()) < 2, 40_000, "it begins again");
   await pause(300);
   assert.equal(await phase(), "flying");
+  await page.click("#play");
   assert.deepEqual(complaints.filter((text) => !/GPU stall|swiftshader/i.test(text)), []);
+});
+
+test("there is one set of controls, a click on a chart seeks, and the timeline has the phases of all of it", async () => {
+  await page.click("#loop");
+  assert.equal(await page.isVisible("#pause"), false, "the controls of a flight that nobody flies");
+  await seek(10);
+  await page.locator('.chart[data-key="innovation"] .u-over').click({ position: { x: 60, y: 20 } });
+  await until(async () => (await nowS()) < 9, 20_000, "an earlier moment");
+  const { lanes } = await page.evaluate(() => window.__twin.time);
+  assert.deepEqual(lanes.phases, ["in the air: residual known, the twin predicts and adapts in shadow"]);
+  assert.ok(Math.abs(lanes.span[1] - FLIGHT_S) < 0.1, `${lanes.span}`);
+});
+
+test("on a phone nothing sticks out at the side", async () => {
+  await page.setViewportSize({ width: 390, height: 844 });
+  await pause(500);
+  const { wide, out } = await page.evaluate(() => ({
+    wide: document.documentElement.scrollWidth,
+    out: [...document.querySelectorAll("button, select, input")].filter((node) => node.getBoundingClientRect().right > innerWidth + 0.5).map((node) => node.id),
+  }));
+  assert.deepEqual([wide, out], [390, []]);
 });

@@ -5,7 +5,7 @@ import { mkdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import path from "node:path";
 import { after, before, test } from "node:test";
 import WebSocket from "ws";
-import { BINARY, freePort, launchBrowser, openConsole, pause, ROOT, shown, startTwin, until } from "./harness.mjs";
+import { BINARY, freePort, launchBrowser, openConsole, openHeld, pause, ROOT, shown, startTwin, until } from "./harness.mjs";
 
 const SCENARIO = "scenarios/a_300g_slow.toml";
 /** Time limit of a wait, ms. It is long enough for a loaded machine and short against a test's own limit. */
@@ -69,11 +69,8 @@ async function hold(paused) {
 }
 
 /** Opens a further page. The flight runs while the page loads, because only ticks show that the page works; then it is paused. */
-async function openHeld(options) {
-  witness.say({ type: "restart", seed: null, scenario: null });
-  await hold(false);
-  const made = await openConsole(browser, twin.url, options);
-  await hold(true);
+async function openFree(options) {
+  const made = await openHeld(browser, twin.url, (message) => witness.say(message), options);
   await until(() => made.page.evaluate(() => !document.querySelector("#desk-lock").disabled), SOON, "its tuning column is free");
   return made;
 }
@@ -270,7 +267,7 @@ test("the help lists every key that is registered", LIMIT, async () => {
 });
 
 test("the keyboard alone pauses, changes a gain and takes it back", LIMIT, async () => {
-  const keyed = await openHeld({ reducedMotion: "reduce" });
+  const keyed = await openFree({ reducedMotion: "reduce" });
   const { keyboard } = keyed.page;
   // The first element that the tab key reaches is a link past the top bar.
   await keyboard.press("Tab");
@@ -301,7 +298,7 @@ test("the keyboard alone pauses, changes a gain and takes it back", LIMIT, async
 });
 
 test("on a phone nothing sticks out, and every control is large enough for a finger", LIMIT, async () => {
-  const phone = await openHeld({ viewport: { width: 390, height: 844 }, hasTouch: true });
+  const phone = await openFree({ viewport: { width: 390, height: 844 }, hasTouch: true });
   const small = async (where) => {
     const faults = await phone.page.evaluate((least) => {
       const found = [];

@@ -61,7 +61,8 @@ const timeBar = new TimeBar(store, view, transport);
 const moment = new Moment(store, view, new ScenePlayer(store, () => world), (past) => enter(past));
 registerTimeKeys({ bar: timeBar, view, transport, tickS: () => store.tickS, moved: () => charts.speakSoon() });
 commands.register(
-  { id: "flight.pause", group: "Flight", description: "pause or continue", keys: ["Space", "Shift+Space"], action: () => bar.togglePause() },
+  { id: "flight.pause", group: "Flight", description: "pause or continue", keys: ["Space"], action: () => bar.togglePause(), when: () => !local.past || recorded !== null },
+  { id: "flight.pauseNow", group: "Flight", description: "pause or continue the flight, also while the page shows the past", keys: ["Shift+Space"], action: () => bar.togglePause() },
   { id: "flight.tick", group: "Flight", description: "fly one tick", keys: ["Ctrl+ArrowRight"], action: () => bar.step(), when: onLine, repeats: true },
   { id: "flight.on", group: "Flight", description: "fly 100 ms while paused", keys: ["ArrowRight"], action: () => bar.step(Math.round(0.1 / (store.hello?.tick_s ?? 0.01))), when: () => store.state?.phase === "paused" && onLine(), repeats: true },
   { id: "flight.restart", group: "Flight", description: "restart the flight", keys: ["R"], action: () => bar.restart() },

@@ -8,6 +8,8 @@ import type { Stretch, Transport } from "./transport";
 const SEEK_EVERY_MS = 150;
 /** A time after the end of any stream, s. The server seeks the newest tick instead. */
 const NEWEST_S = 1e6;
+/** A playhead this near to the end of a recording is at the end, ticks. */
+const AT_END_TICKS = 2;
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20, null];
 
 export class MirrorTransport implements Transport {
@@ -84,7 +86,9 @@ export class MirrorTransport implements Transport {
   /** Restarts the loop at its end. */
   frame(): void {
     if (this.loop === null || this.wanted !== null) return;
-    if (this.playing && this.timeS >= this.loop.to - this.store.tickS) this.seek(this.loop.from);
+    // At the end of the recording the server pauses by itself, so a loop to there goes on from the pause.
+    const inside = this.loop.to < this.info.duration_s - AT_END_TICKS * this.store.tickS;
+    if (inside && this.playing && this.timeS >= this.loop.to - this.store.tickS) this.seek(this.loop.from);
     else if (this.atEnd()) {
       this.seek(this.loop.from);
       this.send({ type: "pause", paused: false });
@@ -104,6 +108,6 @@ export class MirrorTransport implements Transport {
 
   /** Whether the recording has been played to its end and is paused there. */
   private atEnd(): boolean {
-    return this.store.state?.phase === "paused" && !this.info.live && this.timeS >= this.info.duration_s - 2 * this.store.tickS;
+    return this.store.state?.phase === "paused" && !this.info.live && this.timeS >= this.info.duration_s - AT_END_TICKS * this.store.tickS;
   }
 }
