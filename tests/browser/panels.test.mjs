@@ -258,10 +258,10 @@ test("the help lists every key that is registered", LIMIT, async () => {
   const registered = await page.evaluate(() => window.__twin.commands.filter(({ keys }) => keys.length > 0).map(({ id }) => id));
   assert.ok(registered.length > 15, "the commands of the console");
   assert.deepEqual(listed.toSorted(), registered.toSorted());
-  // While the charts are inspected their keys take precedence; every other key has one meaning.
+  // In the past the keys of the playhead take precedence; every other key has one meaning.
   const chords = await page.evaluate(() => window.__twin.commands.flatMap(({ id, keys }) => keys.map((key) => ({ id, key }))));
   const twice = chords.filter(({ key }, at) => chords.findIndex((other) => other.key === key) !== at).map(({ key }) => key);
-  const unclear = twice.filter((key) => !chords.some((chord) => chord.key === key && chord.id.startsWith("charts.")));
+  const unclear = twice.filter((key) => !chords.some((chord) => chord.key === key && chord.id.startsWith("time.")));
   assert.deepEqual(unclear, []);
   await page.keyboard.press("Escape");
 });

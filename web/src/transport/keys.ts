@@ -47,7 +47,7 @@ export function registerTimeKeys({ bar, view, transport, tickS, moved }: TimeTar
   act("event-before", ["["], "to the event before", () => bar.toEvent(-1));
   act("event-after", ["]"], "to the event after", () => bar.toEvent(1));
   act("hold", ["P"], "hold this moment, or follow the flight again", () => (transport().past ? transport().toNewest() : transport().toggle()));
-  act("type", ["Shift+T"], "type a time", () => bar.typeTime());
+  act("type", ["Shift+J"], "type a time", () => bar.typeTime());
   act("loop", ["Shift+O"], "play the range from I to O, else all, again and again", () => transport().toggleLoop());
   commands.register(
     { id: "time.play", group: GROUP, description: "in the past: play or stop", keys: ["Space"], action: () => transport().toggle(), when: () => transport().past },
