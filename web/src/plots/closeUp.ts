@@ -2,6 +2,7 @@
 // horizon of a quarter of a second is a few pixels wide. With a cursor the panel shows the forecast that was made there, and what followed.
 import type { Store } from "../data/store";
 import { element, setText } from "../panels/dom";
+import { CanvasPanel } from "./canvasPanel";
 import { drawAxes, drawLine } from "./closeUpPen";
 import type { ChartColors } from "./colors";
 import { BAND_90, extentOf, type Fan, fanOf } from "./fan";
@@ -10,7 +11,6 @@ import type { Frame } from "./frame";
 import { AXIS_WIDTH_PX, RIGHT_PX } from "./options";
 import type { Panel, Picture, SeriesReading } from "./panel";
 import { type Bounds, boundsOf, formatValue, linearRange } from "./range";
-import { penOf } from "./software";
 import type { ChartSpec } from "./spec";
 
 /** Time shown before and after the forecast was made, s. */
@@ -20,23 +20,15 @@ const HEAD_PX = 8;
 const FOOT_PX = 15;
 
 export class CloseUp implements Panel {
-  readonly root: HTMLElement;
   readonly over = null;
   visible = true;
   round = -1;
-  private readonly canvas = element("canvas", { ariaHidden: "true" });
-  private readonly outputs = { forecast: element("output", { ariaLive: "off" }), trust: element("output", { ariaLive: "off" }) };
-  private readonly unit = element("span", { className: "muted" });
+  private readonly panel: CanvasPanel;
+  private readonly outputs = { forecast: element("output", { ariaLive: "off", className: "wide" }), trust: element("output", { ariaLive: "off" }) };
   private range: Bounds | null = null;
   private frame: Frame | null = null;
   private tick = NaN;
   private zscore = false;
-  private size: [number, number] = [0, 0];
-  private readonly sizes = new ResizeObserver(([entry]) => {
-    const { width, height } = entry?.contentRect ?? { width: 0, height: 0 };
-    this.size = [width, height];
-    this.round = -1;
-  });
 
   /** `row` is the coordinate. */
   constructor(
@@ -46,22 +38,17 @@ export class CloseUp implements Panel {
     private readonly colors: ChartColors,
     private readonly lineWidth: number,
   ) {
-    const plot = element("div", { className: "plot" }, [this.canvas]);
-    const line = (color: string): HTMLElement => {
-      const mark = element("i", { className: "line" });
-      mark.style.color = color;
-      return mark;
-    };
-    const key = element("ul", {}, [
-      element("li", { title: "the other lines are those of the residual: adapted forecast, and forecast made one lead ago" }, [line(colors.muted), "measured"]),
-      element("li", { title: "forecast at the lead, and half the width of the band that holds 90 %" }, [line(colors.fourth), "lead", this.outputs.forecast]),
-      element("li", { title: "1: the forecast at the lead is compensated, 0: the estimate of now" }, ["trust", this.outputs.trust]),
-    ]);
-    const head = element("header", { className: "chart-head" }, [element("h3", { title: spec.title }, [spec.title, this.unit]), key]);
-    this.root = element("article", { className: "chart tall", ariaLabel: spec.title, tabIndex: 0, role: "figure" }, [head, plot]);
-    this.outputs.forecast.classList.add("wide");
-    this.root.dataset["key"] = spec.key;
-    this.sizes.observe(plot);
+    const others = "the other lines are those of the residual: adapted forecast, and forecast made one lead ago";
+    const entries = [
+      { label: "measured", title: others, color: colors.muted },
+      { label: "lead", title: "forecast at the lead, and half the width of the band that holds 90 %", color: colors.fourth, output: this.outputs.forecast },
+      { label: "trust", title: "1: the forecast at the lead is compensated, 0: the estimate of now", output: this.outputs.trust },
+    ];
+    this.panel = new CanvasPanel(spec, "tall", entries, () => (this.round = -1));
+  }
+
+  get root(): HTMLElement {
+    return this.panel.root;
   }
 
   refresh(frame: Frame): void {
@@ -84,7 +71,7 @@ export class CloseUp implements Panel {
     setText(this.outputs.forecast, `${formatValue(this.at("foreseen"))} ± ${formatValue(half)}`);
     setText(this.outputs.trust, formatValue(this.store.at(`trust.${this.row}`, this.tick)));
     const scored = this.scale() !== 1;
-    setText(this.unit, scored ? " z" : ` ${this.store.channel(`residual.${this.row}`)?.unit ?? ""}`);
+    setText(this.panel.unit, scored ? " z" : ` ${this.store.channel(`residual.${this.row}`)?.unit ?? ""}`);
     this.root.ariaLabel = `${this.sentence()}, ${leadText(fan?.leadS ?? 0)}`;
   }
 
@@ -106,12 +93,11 @@ export class CloseUp implements Panel {
 
   picture(): Picture {
     const entry = (label: string, output: HTMLElement): Picture["entries"][number] => ({ label, text: output.textContent ?? "", color: this.colors.fourth, dash: [] });
-    return { title: this.spec.title, entries: [entry("lead", this.outputs.forecast), entry("trust", this.outputs.trust)], canvas: this.canvas };
+    return { title: this.spec.title, entries: [entry("lead", this.outputs.forecast), entry("trust", this.outputs.trust)], canvas: this.panel.canvas };
   }
 
   destroy(): void {
-    this.sizes.disconnect();
-    this.root.remove();
+    this.panel.destroy();
   }
 
   private fan(): Fan | null {
@@ -136,15 +122,9 @@ export class CloseUp implements Panel {
   }
 
   private draw(): void {
-    const [width, height] = this.size;
-    const ratio = devicePixelRatio;
-    const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
-    if (this.canvas.width !== w || this.canvas.height !== h) Object.assign(this.canvas, { width: w, height: h });
-    const pen = penOf(this.canvas);
-    if (pen === null) return;
-    pen.setTransform(ratio, 0, 0, ratio, 0, 0);
-    pen.clearRect(0, 0, width, height);
-    if (Number.isNaN(this.tick)) return;
+    const pen = this.panel.pen();
+    if (pen === null || Number.isNaN(this.tick)) return;
+    const [width, height] = this.panel.size;
     const fan = this.fan();
     const shown = ["residual", "foretold", "adapted"].flatMap((stem) => this.values(stem, -PAST_S, AHEAD_S)).filter((value) => !Number.isNaN(value));
     this.range = linearRange(this.range, boundsOf([shown, extentOf(fan)], false), this.spec.smallestSpan);

@@ -2,45 +2,38 @@
 // axis.
 import type { Store } from "../data/store";
 import { element, setText } from "../panels/dom";
+import { CanvasPanel } from "./canvasPanel";
 import type { ChartColors } from "./colors";
 import type { Frame } from "./frame";
 import { AXIS_WIDTH_PX, RIGHT_PX } from "./options";
 import type { Panel, Picture, SeriesReading } from "./panel";
 import { type Bounds, decadeRange, formatValue } from "./range";
-import { penOf } from "./software";
 import type { ChartSpec } from "./spec";
 
 const FOOT_PX = 4;
 const FONT = "11px system-ui, DejaVu Sans, sans-serif";
 
 export class SpectrumBars implements Panel {
-  readonly root: HTMLElement;
   readonly over = null;
   visible = true;
   round = -1;
-  private readonly canvas = element("canvas", { ariaHidden: "true" });
+  private readonly panel: CanvasPanel;
   private readonly largest = element("output", { ariaLive: "off" });
   private readonly smallest = element("output", { ariaLive: "off" });
   private range: Bounds | null = null;
   private tick = NaN;
-  private size: [number, number] = [0, 0];
-  private readonly sizes = new ResizeObserver(([entry]) => {
-    const { width, height } = entry?.contentRect ?? { width: 0, height: 0 };
-    this.size = [width, height];
-    this.round = -1;
-  });
 
   constructor(
     readonly spec: ChartSpec,
     private readonly store: Store,
     private readonly colors: ChartColors,
   ) {
-    const plot = element("div", { className: "plot" }, [this.canvas]);
-    const key = element("ul", {}, [element("li", {}, ["largest", this.largest]), element("li", {}, ["smallest", this.smallest])]);
-    const head = element("header", { className: "chart-head" }, [element("h3", { title: spec.title, textContent: spec.title }), key]);
-    this.root = element("article", { className: "chart bars", ariaLabel: spec.title, tabIndex: 0, role: "figure" }, [head, plot]);
-    this.sizes.observe(plot);
-    this.root.dataset["key"] = spec.key;
+    const entries = [{ label: "largest", output: this.largest }, { label: "smallest", output: this.smallest }];
+    this.panel = new CanvasPanel(spec, "bars", entries, () => (this.round = -1));
+  }
+
+  get root(): HTMLElement {
+    return this.panel.root;
   }
 
   refresh(_: Frame): void {
@@ -80,12 +73,11 @@ export class SpectrumBars implements Panel {
 
   picture(): Picture {
     const entry = (label: string, text: string): Picture["entries"][number] => ({ label, text, color: this.colors.fourth, dash: [] });
-    return { title: this.spec.title, entries: [entry("largest", this.largest.textContent ?? ""), entry("smallest", this.smallest.textContent ?? "")], canvas: this.canvas };
+    return { title: this.spec.title, entries: [entry("largest", this.largest.textContent ?? ""), entry("smallest", this.smallest.textContent ?? "")], canvas: this.panel.canvas };
   }
 
   destroy(): void {
-    this.sizes.disconnect();
-    this.root.remove();
+    this.panel.destroy();
   }
 
   private values(): Float32Array {
@@ -93,14 +85,9 @@ export class SpectrumBars implements Panel {
   }
 
   private draw(values: number[]): void {
-    const [width, height] = this.size;
-    const ratio = devicePixelRatio;
-    const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
-    if (this.canvas.width !== w || this.canvas.height !== h) Object.assign(this.canvas, { width: w, height: h });
-    const pen = penOf(this.canvas);
+    const pen = this.panel.pen();
     if (pen === null) return;
-    pen.setTransform(ratio, 0, 0, ratio, 0, 0);
-    pen.clearRect(0, 0, width, height);
+    const [width, height] = this.panel.size;
     const [low, high] = this.range ?? [1, 10];
     const yOf = (value: number): number => FOOT_PX + (1 - Math.log(value / low) / Math.log(high / low)) * (height - 2 * FOOT_PX);
     pen.font = FONT;

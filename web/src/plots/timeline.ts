@@ -1,12 +1,12 @@
 // The timeline under the charts: the glyphs of marks, the labels of the shared time axis, and the time at the cursor.
 import { byId, element, setText } from "../panels/dom";
+import { emptied } from "./canvasPanel";
 import { type Cluster, clusters, markKind } from "./clusters";
 import { clockSplits, clockText } from "./clock";
 import type { ChartColors } from "./colors";
 import type { Frame } from "./frame";
 import { markColor } from "./marks";
 import { AXIS_WIDTH_PX, CLOCK_APART_PX, RIGHT_PX } from "./options";
-import { penOf } from "./software";
 
 const GLYPH_ROW_PX = 17;
 const GLYPHS_APART_PX = 14;
@@ -73,16 +73,9 @@ export class Timeline {
 
   private draw(width: number): void {
     const height = this.root.clientHeight;
-    const ratio = devicePixelRatio;
-    const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
-    if (this.canvas.width !== w || this.canvas.height !== h) {
-      Object.assign(this.canvas, { width: w, height: h });
-      Object.assign(this.canvas.style, { width: `${width}px`, height: `${height}px` });
-    }
-    const pen = penOf(this.canvas);
+    Object.assign(this.canvas.style, { width: `${width}px`, height: `${height}px` });
+    const pen = emptied(this.canvas, [width, height]);
     if (pen === null || this.frame === null) return;
-    pen.setTransform(ratio, 0, 0, ratio, 0, 0);
-    pen.clearRect(0, 0, width, height);
     this.labels(pen, this.frame, height);
     this.glyphs(pen);
   }

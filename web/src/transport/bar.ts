@@ -2,10 +2,10 @@
 import type { Store } from "../data/store";
 import { Beat } from "../panels/beat";
 import { byId, element, option, setText } from "../panels/dom";
+import { emptied } from "../plots/canvasPanel";
 import { markKind } from "../plots/clusters";
 import { type ChartColors, readColors } from "../plots/colors";
 import { marksOf } from "../plots/frame";
-import { penOf } from "../plots/software";
 import type { Span, View } from "../plots/view";
 import { type Lanes, lanesOf, stopsOf } from "./lanes";
 import { drawLanes, LANES_PX, NAMES_PX, RIGHT_PX } from "./lanesPen";
@@ -115,14 +115,9 @@ export class TimeBar {
 
   private draw(now: number): void {
     this.drawnAt = now;
-    const ratio = devicePixelRatio;
-    const [w, h] = [Math.round(this.width * ratio), Math.round(LANES_PX * ratio)];
-    if (this.canvas.width !== w || this.canvas.height !== h) Object.assign(this.canvas, { width: w, height: h });
-    const pen = penOf(this.canvas);
+    const pen = emptied(this.canvas, [this.width, LANES_PX]);
     if (pen === null || this.width === 0) return;
     this.content = lanesOf(this.store, this.view, this.span(), this.plotPx);
-    pen.setTransform(ratio, 0, 0, ratio, 0, 0);
-    pen.clearRect(0, 0, this.width, LANES_PX);
     drawLanes(pen, this.content, this.width, this.colors);
   }
 
