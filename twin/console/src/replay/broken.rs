@@ -39,8 +39,7 @@ fn limits_of(broken: &Violation, settings: &Settings) -> [Option<f64>; 2] {
 
 /// The unit at the end of a signal's name.
 fn unit_of(name: &str) -> &'static str {
-    const UNITS: [(&str, &str); 4] =
-        [("_m_s", "m/s"), ("_rad", "rad"), ("_m", "m"), ("_n", "N")];
+    const UNITS: [(&str, &str); 4] = [("_m_s", "m/s"), ("_rad", "rad"), ("_m", "m"), ("_n", "N")];
     UNITS.iter().find(|(end, _)| name.ends_with(end)).map_or("", |(_, unit)| unit)
 }
 

@@ -85,7 +85,10 @@ mod tests {
             let flown = flight.covariance_spectrum();
             assert_eq!(found.len(), flown.len());
             for (found, flown) in found.iter().zip(&flown) {
-                assert!((found - flown).abs() <= SAME_TRACE * flown.abs().max(1.0), "{found}, {flown}");
+                assert!(
+                    (found - flown).abs() <= SAME_TRACE * flown.abs().max(1.0),
+                    "{found}, {flown}"
+                );
             }
             compared += 1;
         }

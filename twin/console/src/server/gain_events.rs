@@ -92,7 +92,10 @@ mod tests {
             }
             said.extend(gain_events.settle(tick));
         }
-        assert_eq!(said, ["Λ z (damping.z) 3.5 -> 3.6", "Λ z (damping.z) 3.6 -> 8.5 since tick 98"]);
+        assert_eq!(
+            said,
+            ["Λ z (damping.z) 3.5 -> 3.6", "Λ z (damping.z) 3.6 -> 8.5 since tick 98"]
+        );
         assert_eq!(gain_events, GainEvents::default(), "a gain at rest is forgotten");
     }
 

@@ -80,8 +80,17 @@ mod tests {
         assert_eq!(
             heavy,
             [
-                "residual.z", "base.z", "adapted.z", "r_hat.z", "foreseen.z", "foretold.z",
-                "fan_05.z", "fan_10.z", "fan_15.z", "fan_20.z", "fan_25.z",
+                "residual.z",
+                "base.z",
+                "adapted.z",
+                "r_hat.z",
+                "foreseen.z",
+                "foretold.z",
+                "fan_05.z",
+                "fan_10.z",
+                "fan_15.z",
+                "fan_20.z",
+                "fan_25.z",
             ]
         );
     }
