@@ -118,6 +118,25 @@ test("residuals as z-scores are residuals over the scale of the channel", LIMIT,
   await until(async () => (await panel("residual")).series[0].value === physical, SOON, "newtons again");
 });
 
+test("the errors of all coordinates are shown at once in z-scores, and a click on one chooses it", LIMIT, async () => {
+  const tick = await settled();
+  const shown = page.locator('.chart[data-key="multiples"]');
+  await shown.scrollIntoViewIfNeeded();
+  const errors = () => panel("multiples").then(({ series }) => series);
+  await until(async () => (await errors()).length === 16, SOON, "two lines for each of eight coordinates");
+  const scale = oracle.hello.channels.find(({ name }) => name === "residual.y").z_scale;
+  const wanted = ((await at("residual.y", tick)) - (await at("base.y", tick))) / scale;
+  const found = (await errors()).find(({ channel }) => channel === "error of base.y").value;
+  assert.ok(Math.abs(found - wanted) <= FLOAT_SHARE * Math.max(1, Math.abs(wanted)), `${found}, by hand ${wanted}`);
+  const { width, height } = await shown.locator("canvas").boundingBox();
+  // The second field of the upper line, whose four fields stand beside the axis.
+  await shown.locator("canvas").click({ position: { x: 46 + ((width - 60) * 3) / 8, y: height / 4 } });
+  await until(async () => (await panel("residual")).series[0].channel === "residual.y", SOON, "the charts of y");
+  await page.locator('#rows button[value="z"]').click();
+  await until(async () => (await panel("residual")).series[0].channel === "residual.z", SOON, "the charts of z");
+  await page.locator("#charts").evaluate((list) => list.scrollTo(0, 0));
+});
+
 test("the cursor of one chart reads the same moment on all, as the history holds it", LIMIT, async () => {
   await advance(300);
   await over("innovation").hover({ position: { x: 50, y: 20 } });
@@ -125,7 +144,7 @@ test("the cursor of one chart reads the same moment on all, as the history holds
   await drawn();
   const { cursorTick, panels } = await charts();
   assert.ok(cursorTick >= 0 && cursorTick < (await lastTick()));
-  for (const { key, series } of panels.filter(({ key, visible }) => visible && key !== "spectrum" && key !== "foresight")) {
+  for (const { key, series } of panels.filter(({ key, visible }) => visible && !["spectrum", "foresight", "multiples"].includes(key))) {
     for (const { channel, value } of series.filter(({ channel }) => !/^(foresight_std|foretold)\./.test(channel))) {
       assert.equal(value, await drawnAt(channel, cursorTick), `${key} ${channel}`);
     }

@@ -66,7 +66,7 @@ export class ChartColumn {
     this.view.windowS = this.arrangement.windowS;
     this.table = new RangeTable(store, this.view);
     this.timeline = new Timeline(this.colors);
-    this.panels = new Panels(this.root, store, software ? 1 : 1.5, { made: (panel) => this.listen(panel), toggleZscore: () => this.toggleZscore() });
+    this.panels = new Panels(this.root, store, software ? 1 : 1.5, { made: (panel) => this.listen(panel), toggleZscore: () => this.toggleZscore(), choose: (row) => this.chooseRow(row) });
     this.menu = new ChartMenu({
       changed: () => this.changed(),
       edit: (own) => this.edit(own),
@@ -237,6 +237,10 @@ export class ChartColumn {
   private changed(): void {
     save(this.arrangement);
     this.sync(false);
+  }
+
+  private chooseRow(row: string): void {
+    byId("rows").querySelector<HTMLButtonElement>(`button[value="${row}"]`)?.click();
   }
 
   private toggleZscore(): void {

@@ -5,20 +5,24 @@ import type { Arrangement } from "./arrangement";
 import { Chart } from "./chart";
 import { CloseUp } from "./closeUp";
 import type { ChartColors } from "./colors";
+import { Multiples } from "./multiples";
 import type { Panel } from "./panel";
-import { type ChartSpec, chartSpecs, CLOSE_UP, ownSpec, SPECTRUM } from "./spec";
+import { type ChartSpec, chartSpecs, CLOSE_UP, MULTIPLES, ownSpec, SPECTRUM } from "./spec";
 import { SpectrumBars } from "./spectrum";
 
 export interface PanelActions {
   /** Called with each new panel. */
   made(panel: Panel): void;
   toggleZscore(): void;
+  /** Chooses the coordinate of the charts. */
+  choose(row: string): void;
 }
 
 export class Panels {
   list: Panel[] = [];
   /** Charts of this flight alone, which stand before the others. */
   extra: ChartSpec[] = [];
+  private row = "";
   private signatures = new Map<Panel, string>();
   private readonly watcher = new IntersectionObserver((entries) => this.seen(entries));
   private zscoreButton: HTMLButtonElement | null = null;
@@ -45,6 +49,7 @@ export class Panels {
 
   /** Shows the charts of `arrangement`; with `anew` all panels are built anew. */
   sync(arrangement: Arrangement, colors: ChartColors, anew: boolean): void {
+    this.row = arrangement.row;
     const specs = this.specs(arrangement).filter(({ key }) => !arrangement.hidden.includes(key));
     const old = anew ? [] : this.list;
     const next = specs.map((spec) => {
@@ -74,6 +79,7 @@ export class Panels {
 
   private panelOf(spec: ChartSpec, colors: ChartColors): Panel {
     if (spec.key === SPECTRUM) return new SpectrumBars(spec, this.store, colors);
+    if (spec.key === MULTIPLES) return new Multiples(spec, this.store, colors, () => this.row, (row) => this.actions.choose(row));
     if (spec.key === CLOSE_UP) return new CloseUp(spec, spec.fan ?? "", this.store, colors, this.lineWidth);
     return new Chart(spec, this.store, colors, this.lineWidth, this.tools(spec));
   }

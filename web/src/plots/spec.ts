@@ -43,6 +43,8 @@ export interface ChartSpec {
 
 /** Key of the panel with the newest spectrum as bars, which has no time axis. */
 export const SPECTRUM = "spectrum";
+/** Key of the panel with the errors of all coordinates at a glance. */
+export const MULTIPLES = "multiples";
 /** Key of the panel with the forecast from close by, which has a time axis of its own. */
 export const CLOSE_UP = "foresight";
 
@@ -58,9 +60,15 @@ export function chartSpecs(row: string, channels: ChannelInfo[], mirrored = fals
   const known = new Set(channels.map(({ name }) => name));
   const heavy = channels.some(({ name, weight }) => name === `residual.${row}` && (weight ?? null) !== null);
   const of = `${symbolOf(row)}${heavy ? " − weight" : ""}`;
-  return [residualSpec(row, of), ...(mirrored ? [] : [closeUpSpec(row, of)]), ...learningSpecs(), ...(mirrored ? mirrorSpecs(row) : controlSpecs(row)), ...adapterSpecs(), ...(mirrored ? [] : [...forceSpecs(row), ...bodySpecs(channels)])]
+  return [residualSpec(row, of), ...(mirrored ? [] : [closeUpSpec(row, of)]), ...learningSpecs(), ...(mirrored ? mirrorSpecs(row) : controlSpecs(row)), ...multiplesSpec(channels), ...adapterSpecs(), ...(mirrored ? [] : [...forceSpecs(row), ...bodySpecs(channels)])]
     .map((spec) => ({ ...spec, series: spec.series.filter(({ channel }) => known.has(channel)) }))
-    .filter(({ key, series }) => series.length > 0 || key === SPECTRUM);
+    .filter(({ key, series }) => series.length > 0 || key === SPECTRUM || key === MULTIPLES);
+}
+
+/** Panel with the errors of the forecasts of all coordinates; none without z-scores, which alone can be compared. */
+function multiplesSpec(channels: ChannelInfo[]): ChartSpec[] {
+  const scored = channels.some(({ name, z_scale }) => name.startsWith("residual.") && z_scale !== null);
+  return scored ? [{ key: MULTIPLES, title: "Errors of all coordinates", smallestSpan: 0.5, tall: true, series: [] }] : [];
 }
 
 /** Chart of the residual and its forecasts. The known weight is left out, because beside it no difference could be seen. */
