@@ -46,7 +46,7 @@ pub mod suite;
 
 use std::path::{Path, PathBuf};
 
-pub use checks::{Check, Violation, limited_signal};
+pub use checks::{Check, ReadSignal, Violation, limited_signal};
 pub use ending::Verdict;
 pub use file::ScenarioError;
 pub use json_schema::json_schema;

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 pub use events::EventCheck;
 pub(super) use events::validate as validate_events;
-pub use signals::{Read, find as reader, limited_signal, names as signal_names};
+pub use signals::{ReadSignal, find as reader, limited_signal, names as signal_names};
 pub use statistic::Statistic;
 
 use events::Events;
@@ -125,7 +125,7 @@ pub struct Checks {
 #[derive(Clone)]
 struct Window {
     check: Check,
-    read: signals::Read,
+    read: ReadSignal,
     /// Samples as `(t_s, value)`: time in s, value in the unit of the signal.
     samples: Vec<(f64, f64)>,
 }

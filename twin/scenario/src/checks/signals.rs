@@ -5,7 +5,7 @@ use twin_core::notation::{Coords, tracking_error};
 use twin_core::tick::Tick;
 
 /// Reads a signal; `None` where the tick does not have it.
-pub type Read = fn(&Tick) -> Option<f64>;
+pub type ReadSignal = fn(&Tick) -> Option<f64>;
 
 /// The signal from which a metric of the whole flight is computed, for metrics that are not named like their signal.
 const OF_METRICS: &[(&str, &str)] = &[
@@ -17,7 +17,7 @@ const OF_METRICS: &[(&str, &str)] = &[
     ("tilt_peak_rad", "tilt_rad"),
 ];
 
-const SIGNALS: &[(&str, Read)] = &[
+const SIGNALS: &[(&str, ReadSignal)] = &[
     ("position_error_m", |tick| Some(error(tick).fixed_rows::<3>(0).norm())),
     ("error_x_m", |tick| Some(error(tick)[0])),
     ("error_y_m", |tick| Some(error(tick)[1])),
@@ -64,14 +64,14 @@ pub fn names() -> impl Iterator<Item = &'static str> {
 }
 
 /// The signal that a demand on `name` limits, a signal or a metric, with its reader; `None` if the demand limits no number of a tick.
-pub fn limited_signal(name: &str) -> Option<(&'static str, fn(&Tick) -> Option<f64>)> {
+pub fn limited_signal(name: &str) -> Option<(&'static str, ReadSignal)> {
     let of_metric = OF_METRICS.iter().find(|(metric, _)| *metric == name);
     let wanted = of_metric.map_or(name, |(_, signal)| signal);
     SIGNALS.iter().find(|(known, _)| *known == wanted).copied()
 }
 
 /// How the signal `name` is read; `None` if there is none of that name.
-pub fn find(name: &str) -> Option<Read> {
+pub fn find(name: &str) -> Option<ReadSignal> {
     SIGNALS.iter().find(|(known, _)| *known == name).map(|(_, read)| *read)
 }
 
