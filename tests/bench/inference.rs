@@ -113,7 +113,14 @@ impl Both {
     fn step(&mut self) {
         let forecast = self.fdt.predict(&self.history);
         let residual = Coords::repeat(0.5).into();
-        black_box(self.adapter.step(&forecast, &residual, 0.01, false, &self.settings));
+        black_box(self.adapter.step(
+            &forecast,
+            &self.history,
+            &residual,
+            0.01,
+            false,
+            &self.settings,
+        ));
     }
 }
 

@@ -87,7 +87,7 @@ fn the_adapter_leaves_a_forecast_without_regime_as_it_is() {
     let forecast: Forecast = predictor.predict(&history);
     for _ in 0..3 {
         let residual = Coords::repeat(2.0).into();
-        let adapted = adapter.step(&forecast, &residual, 0.01, false, &settings);
+        let adapted = adapter.step(&forecast, &history, &residual, 0.01, false, &settings);
         assert_eq!(*adapted.r_hat, *forecast.base[0]);
         assert!(adapted.innovation.iter().all(|v| v.is_finite()) && !adapted.reset);
     }

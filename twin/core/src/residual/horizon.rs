@@ -35,8 +35,9 @@ const PRIOR: f64 = 30.0;
 /// Weight of an earlier error, relative to one of this tick, in the share of a correction that is used: a memory of 2 s.
 const SHARE_FORGETTING: f64 = 0.995;
 
-/// Sum of squared corrections, in units of the scale, below which a correction is doubted: it was too small for its worth to be known.
-const DOUBT: f64 = 0.01;
+/// Sum of squared corrections at each knot, in units of the scale, below which a correction is doubted: it was too small for its worth to
+/// be known. Later forecasts err more, and so do their corrections. With less doubt the first seconds of a path track worse.
+const DOUBTS: [f64; KNOTS.len()] = [0.003, 0.03, 0.1, 0.1, 0.1, 0.1];
 
 /// A forecast that waits for its residuals.
 #[derive(Clone, Debug)]
@@ -66,15 +67,17 @@ struct Share {
     product: Coords,
     /// Sum of the squares of the correction.
     square: Coords,
+    /// What that sum has at least.
+    doubt: f64,
 }
 
 impl Share {
-    fn new() -> Self {
-        Self { product: Coords::zeros(), square: Coords::repeat(DOUBT) }
+    fn new(doubt: f64) -> Self {
+        Self { product: Coords::zeros(), square: Coords::repeat(doubt), doubt }
     }
 
     fn learn(&mut self, error: &Coords, correction: &Coords) {
-        let doubt = Coords::repeat(DOUBT * (1.0 - SHARE_FORGETTING));
+        let doubt = Coords::repeat(self.doubt * (1.0 - SHARE_FORGETTING));
         self.product = self.product * SHARE_FORGETTING + error.component_mul(correction);
         self.square = self.square * SHARE_FORGETTING + correction.component_mul(correction) + doubt;
     }
@@ -108,7 +111,7 @@ impl HorizonAdapter {
             scale,
             weights: vec![DMatrix::zeros(INPUTS, N); KNOTS.len()],
             covariance: DMatrix::identity(INPUTS, INPUTS) * PRIOR,
-            shares: vec![Share::new(); KNOTS.len()],
+            shares: DOUBTS.map(Share::new).to_vec(),
             made: VecDeque::with_capacity(KNOTS[KNOTS.len() - 1] + 1),
             turn: 0,
         }

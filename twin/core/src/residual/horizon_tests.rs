@@ -161,8 +161,9 @@ fn a_number_that_is_not_finite_is_not_answered_and_not_learned() {
 fn a_correction_is_used_in_the_share_that_would_have_been_best() {
     // What is left of the doubt and of the start after ten memories of 2 s.
     const LEFT: f64 = 0.01;
+    const DOUBT: f64 = 0.01;
     let learned = |error: f64, correction: f64| {
-        let mut share = Share::new();
+        let mut share = Share::new(DOUBT);
         for _ in 0..2000 {
             share.learn(&Coords::repeat(error), &Coords::repeat(correction));
         }
@@ -172,7 +173,7 @@ fn a_correction_is_used_in_the_share_that_would_have_been_best() {
     assert!((learned(2.0, 1.0) - 1.0).abs() < LEFT, "never more than all of it");
     assert!(learned(-1.0, 1.0).abs() < LEFT, "it made the forecast worse");
     assert!(learned(1e-3, 1e-3).abs() < 3.0 * LEFT, "too small to be judged");
-    assert!(Share::new().share().amax() < LEFT, "nothing is known yet");
+    assert!(Share::new(DOUBT).share().amax() < LEFT, "nothing is known yet");
 }
 
 #[test]
