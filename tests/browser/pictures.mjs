@@ -9,7 +9,7 @@ const { values: options } = parseArgs({ options: { at: { type: "string", default
 const SCENARIO = "scenarios/a_500g_fast.toml";
 const VIEWERS = path.resolve(ROOT, process.env.TWIN_VIEWERS ?? "target/viewers");
 const FOLDER = path.join(ROOT, "web", "screenshots");
-const CONSOLE = { viewport: { width: 1600, height: 900 } };
+const CONSOLE = { viewport: { width: 1600, height: 900 }, layout: "fly" };
 /** Size of a quarter of the composed picture, px. */
 const QUARTER = { width: 1040, height: 650 };
 const SOON = 120_000;
