@@ -49,6 +49,8 @@ charts.onCursor = (tick) => log.mark(tick);
 const bar = new TopBar(store, link);
 const recordingBanner = new RecordingBanner();
 const cameras = cameraButtons(() => world);
+// On a phone the whole task leaves the vehicle so small that the table hides it.
+if (matchMedia("(max-width: 480px)").matches) cameras.follow();
 /** File of the mirrored recording on the screen; null if there is none. */
 let shownFile: string | null = null;
 const sceneView = world === null ? null : new SceneView(world, store);

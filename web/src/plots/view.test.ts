@@ -116,4 +116,15 @@ describe("View", () => {
     view.clear();
     expect([view.markers, view.marked()]).toEqual([[], null]);
   });
+
+  it("asks for the playhead of a mirrored recording to be moved, and never stands in a past of its own", () => {
+    const asked: number[] = [];
+    view.remote = (time) => asked.push(time);
+    view.show(60);
+    view.moveCursor(70);
+    view.zoom(80, 90);
+    expect(asked).toEqual([60, 70]);
+    expect(view.pinned).toBeNull();
+    expect(view.span()).toEqual([80, 90]);
+  });
 });
