@@ -40,6 +40,8 @@ export class TimeBar {
   private content: Lanes | null = null;
   private width = 0;
   private drawnAt = -Infinity;
+  /** Time at which the playhead stands on the timeline, s. */
+  private placedS = NaN;
   /** Time to which the pointer has dragged the playhead since the last frame, s. */
   private dragged: number | null = null;
 
@@ -91,8 +93,11 @@ export class TimeBar {
       this.dragged = null;
     }
     if (now - this.drawnAt >= DRAW_EVERY_MS) this.draw(now);
-    this.place(transport);
-    if (this.texts.due(now)) this.readings(transport);
+    // Every change makes the browser paint the whole page, so what moves by itself moves with the texts; what the operator moves follows at once.
+    const beat = this.texts.due(now);
+    const led = !transport.playing && (transport.past || !transport.live);
+    if (beat || (led && transport.timeS !== this.placedS)) this.place(transport);
+    if (beat) this.readings(transport);
   }
 
   /** The content of the timeline, for tests. */
@@ -134,6 +139,7 @@ export class TimeBar {
   }
 
   private place(transport: Transport): void {
+    this.placedS = transport.timeS;
     this.head.style.transform = `translateX(${this.xOf(transport.timeS).toFixed(1)}px)`;
     this.newest.style.transform = `translateX(${this.xOf(transport.newestS).toFixed(1)}px)`;
     const [from, to] = this.view.span().map((time) => this.xOf(Math.min(time, transport.newestS))) as Span;
