@@ -63,7 +63,7 @@ export function marginsOf(store: Store): Margin[] {
   add("tilt", tilt, `${tilt.toFixed(1)}°`, false);
   const trusts = store.rows().map((row) => store.shown(`trust.${row}`)).filter((trust) => !Number.isNaN(trust));
   const trust = trusts.length === 0 ? NaN : Math.min(...trusts);
-  add("forecast trust", trust, `${Math.round(PERCENT * trust)} % at least`, trust === 0);
+  add("least forecast trust", trust, `${Math.round(PERCENT * trust)} %`, trust === 0);
   const part = store.shown("innovation_mean") / store.shown("reset_threshold");
   add("innovation", part, `${Math.round(PERCENT * part)} % of δ`, part >= 1);
   return margins;
