@@ -1,5 +1,6 @@
 //! Flights that other programs recorded: made files of every kind, damaged files, and real files if they are available.
 
+mod cases;
 mod damage;
 mod fuzz;
 mod fuzzed;

@@ -12,6 +12,8 @@ use serde::Serialize;
 
 use super::forecaster::Forecaster;
 use super::gate;
+use super::knowledge::{Knowledge, knowledge};
+use super::phases::{Phase, Span};
 use super::shadow_score::{Score, Scored};
 use crate::playback::{Cursor, Playback};
 use crate::{OpenedFlight, RecordedFlight, RecordedSource};
@@ -31,10 +33,6 @@ const LEAST_SCALE: f64 = 1e-9;
 
 /// Age in ticks of the knowledge from which the ghost is computed.
 pub const GHOST_TICKS: usize = 50;
-
-/// Texts of the events when the residual becomes known and when it becomes unknown.
-const MIRRORED: &str = "in the air: residual known, the twin predicts and adapts in shadow";
-const UNKNOWN: &str = "on the ground, or force or motion unknown: the adapter is frozen";
 
 /// Corner of the low-pass on the residual, Hz. The ghost assumes that the filtered residual stays constant.
 const GHOST_CORNER_HZ: f64 = 0.5;
@@ -73,24 +71,10 @@ pub struct Shadow {
     scale: Coords,
     tuning: Tuning,
     forecaster: Forecaster,
-    /// The phases of the whole recording; empty if it is read while it is flown.
-    phases: Vec<Phase>,
-}
-
-/// Stretch of a recording in which the residual is known in some coordinate, or in none.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Phase {
-    /// Its first tick.
-    pub first: usize,
-    /// Whether the residual is known.
-    pub known: bool,
-}
-
-impl Phase {
-    /// One sentence for people.
-    pub const fn text(self) -> &'static str {
-        if self.known { MIRRORED } else { UNKNOWN }
-    }
+    /// Where the residual of the whole recording is known; empty if it is read while it is flown.
+    knowledge: Vec<Knowledge>,
+    /// Phases of the flight, in order of time.
+    spans: Arc<[Span]>,
 }
 
 impl Shadow {
@@ -100,7 +84,7 @@ impl Shadow {
         let inertia_kg_m2 = opened.map.vehicle.inertia_kg_m2;
         let whole = Self::new(&opened.recorded, inertia_kg_m2);
         let Some(parts) = &opened.long else { return whole };
-        Self { playback: Arc::new(Playback::of(parts)), phases: Vec::new(), ..whole }
+        Self { playback: Arc::new(Playback::of(parts)), knowledge: Vec::new(), ..whole }
     }
 
     /// A shadow of `recorded`; `inertia_kg_m2` is the inertia about the body axes if it is known.
@@ -119,8 +103,16 @@ impl Shadow {
         let playback = Arc::new(Playback::whole(recorded));
         let scale = scale(&playback, &gains.nominal_inertia);
         let tuning = Tuning { gains, adapter: lra::Settings::default() };
-        let phases = phases(&playback);
-        Self { playback, nominal, scale, tuning, forecaster: Forecaster::default(), phases }
+        let knowledge = knowledge(&playback);
+        Self {
+            playback,
+            nominal,
+            scale,
+            tuning,
+            forecaster: Forecaster::default(),
+            knowledge,
+            spans: recorded.spans.clone().into(),
+        }
     }
 
     /// The same shadow with another predictor.
@@ -134,14 +126,14 @@ impl Shadow {
         &self.forecaster
     }
 
-    /// The phases of the recording in their order; empty if they are not known before it is flown.
-    pub fn phases(&self) -> &[Phase] {
-        &self.phases
+    /// Where the residual is known, in order of time; empty if it is not known before it is flown.
+    pub fn knowledge(&self) -> &[Knowledge] {
+        &self.knowledge
     }
 
-    /// The phase before tick `first`; `None` at the start, and if it is not known.
-    fn phase_before(&self, first: usize) -> Option<Phase> {
-        self.phases.iter().copied().take_while(|phase| phase.first < first).last()
+    /// Whether the residual is known before tick `first`; `None` at the start, and if it is not known.
+    fn known_before(&self, first: usize) -> Option<bool> {
+        self.knowledge.iter().take_while(|stretch| stretch.first < first).last().map(|last| last.known)
     }
 
     /// Weight of the vehicle, N; for a vehicle of unknown mass that of one kilogram.
@@ -284,19 +276,6 @@ fn scale(playback: &Arc<Playback>, nominal_inertia: &Coords) -> Coords {
     })
 }
 
-/// The phases of a recording, from the knowledge of its residual at each tick.
-fn phases(playback: &Arc<Playback>) -> Vec<Phase> {
-    let mut cursor = Cursor::new(playback);
-    let mut phases: Vec<Phase> = Vec::new();
-    for first in 0..playback.ticks() {
-        let known = cursor.frame(first).is_some_and(|m| m.residual_known().contains(&true));
-        if phases.last().is_none_or(|last| last.known != known) {
-            phases.push(Phase { first, known });
-        }
-    }
-    phases
-}
-
 /// Task that flies nothing: its reference is the expected pose, and it freezes the adapter while no residual is known.
 #[derive(Clone)]
 struct Watch {
@@ -307,6 +286,7 @@ struct Watch {
     nominal_inertia: Coords,
     residual: LowPass<N>,
     held: Option<bool>,
+    spans: Arc<[Span]>,
     /// Start states of the ghost at the last ticks, oldest first.
     starts: VecDeque<Start>,
 }
@@ -329,9 +309,19 @@ impl Watch {
             nominal_residual: shadow.nominal,
             nominal_inertia: shadow.tuning.gains.nominal_inertia,
             residual: LowPass::new(),
-            held: shadow.phase_before(first).map(|phase| !phase.known),
+            held: shadow.known_before(first).map(|known| !known),
+            spans: Arc::clone(&shadow.spans),
             starts: VecDeque::new(),
         }
+    }
+
+    /// Phase of a tick at `t_s` without a known residual: where the vehicle is instead of in the air.
+    fn held_phase(&self, t_s: f64) -> &'static str {
+        let after = self.spans.partition_point(|span| span.from_s <= t_s);
+        let span = after.checked_sub(1).and_then(|at| self.spans.get(at));
+        let elsewhere =
+            |span: &&Span| t_s < span.to_s && !matches!(span.phase, Phase::Air | Phase::Unknown);
+        span.filter(elsewhere).map_or("unknown", |span| span.phase.words())
     }
 
     /// Pose and rates at which the vehicle was expected now. A coordinate without a known force gets its measured value.
@@ -370,8 +360,8 @@ impl Task for Watch {
     fn update(&mut self, view: &View<'_>, _dt_s: f64) -> Step {
         let held = !view.residual.is_any_known();
         self.next += 1;
-        let phase = Phase { first: self.next - 1, known: !held };
-        let news = (self.held != Some(held)).then(|| Event::new(EventKind::Phase, phase.text()));
+        let stretch = Knowledge { first: self.next - 1, known: !held };
+        let news = (self.held != Some(held)).then(|| Event::new(EventKind::Phase, stretch.text()));
         self.held = Some(held);
         let (chi_des, chi_des_dot) = self.ghost(view);
         Step {
@@ -386,7 +376,7 @@ impl Task for Watch {
                 cruising: false,
                 release: None,
             },
-            phase: if held { "unknown" } else { "mirrored" },
+            phase: if held { self.held_phase(view.measurement.t_s) } else { "mirrored" },
             events: news.into_iter().collect(),
             finished: self.ticks.is_some_and(|ticks| self.next >= ticks),
             gave_up: None,

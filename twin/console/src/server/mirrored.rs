@@ -8,9 +8,10 @@ use twin_core::notation::{COORDINATE_NAMES, TICK_S};
 use twin_core::tick::EventKind;
 use twin_foreign::divergence::HORIZONS;
 use twin_foreign::gate;
+use twin_foreign::phases::Span;
 use twin_foreign::shadow::GHOST_TICKS;
 use twin_foreign::shadow_score::Score;
-use twin_foreign::{Flyer, Light, Phase, Shadow, Twin};
+use twin_foreign::{Flyer, Knowledge, Light, Shadow, Twin};
 use twin_foreign::{Forecaster, Live, OpenedFlight};
 
 /// Number of ticks that a seek flies before its target: the adapter forgets within a second, and the charts show a past.
@@ -18,6 +19,9 @@ const WARM_UP_TICKS: usize = 1000;
 
 /// Number of ticks by which playback stays behind the newest tick of a live flight, because new ticks arrive a few at a time.
 const BEHIND_TICKS: usize = 6;
+
+/// Largest number of phases that the description lists.
+const SHOWN_SPANS: usize = 20;
 
 /// Groups of channels without data in a mirrored flight: the recorded vehicle flew its own controller.
 pub(super) const NOT_IN_FORCE: [&str; 4] = ["robust", "actuators", "gripper", "world"];
@@ -61,6 +65,11 @@ impl Mirrored {
             [] => "no joint is in the recording".to_owned(),
             names => format!("its joints {} are in the charts only", names.join(", ")),
         };
+        let phase = |span: &Span| {
+            let (from_s, to_s, phase) = (span.from_s, span.to_s, span.phase.words());
+            format!("{from_s:.1} to {to_s:.1} s {phase}: {}", span.why)
+        };
+        let phases: Vec<String> = recorded.spans.iter().take(SHOWN_SPANS).map(phase).collect();
         let (force, torque) = (opened.force_sentence(), opened.torque_sentence());
         let info = MirrorInfo {
             file: live.as_ref().map_or_else(|| opened.name(), |(live, _)| live.name().to_owned()),
@@ -81,9 +90,10 @@ impl Mirrored {
             ticks: shadow.ticks() as u64,
             duration_s: shadow.ticks() as f64 * TICK_S,
             live: live.is_some(),
-            notes: [&opened.survey.container.problems[..], &opened.signals.notes[..]].concat(),
+            notes: [&opened.survey.container.problems[..], &opened.signals.notes[..], &phases[..]]
+                .concat(),
             per_kilogram: opened.per_kilogram(),
-            phases: shadow.phases().iter().map(event).collect(),
+            phases: shadow.knowledge().iter().map(event).collect(),
         };
         Self { info, shadow, flyer, name: opened.name(), path: opened.path.clone(), live }
     }
@@ -158,7 +168,7 @@ impl Mirrored {
 }
 
 /// The event of a phase.
-fn event(phase: &Phase) -> EventInfo {
+fn event(phase: &Knowledge) -> EventInfo {
     EventInfo {
         tick: phase.first as u64,
         t_s: phase.first as f64 * TICK_S,
