@@ -25,12 +25,17 @@ const SHOWN_JUMPS: usize = 5;
 /// Times of the first samples after a jump, s, by the size of each step; `excess` is how much a step of a duration may exceed the larger
 /// of its neighbours.
 fn jumps(steps: &[(f64, f64, f64)], excess: impl Fn(f64) -> f64) -> Vec<f64> {
-    let size = |at: Option<usize>| at.and_then(|at| steps.get(at)).map_or(0.0, |step| step.2);
+    let size = |at: Option<usize>| at.and_then(|at| steps.get(at)).map(|step| step.2);
+    // At an end of the recording, the one neighbour that exists decides.
+    let smaller = |a: Option<f64>, b: Option<f64>| match (a, b) {
+        (Some(a), Some(b)) => a.min(b),
+        (one, other) => one.or(other).unwrap_or(0.0),
+    };
     let is_jump = |at: &usize| {
         let (_, dt_s, own) = steps[*at];
-        let (before, after) = (size(at.checked_sub(1)), size(Some(at + 1)));
+        let near = smaller(size(at.checked_sub(1)), size(Some(at + 1)));
         // A glitch of one sample steps twice, there and back; its neighbours but one are small.
-        let calm = before.min(after).max(size(at.checked_sub(2)).min(size(Some(at + 2))));
+        let calm = near.max(smaller(size(at.checked_sub(2)), size(Some(at + 2))));
         dt_s < LONGEST_S && own - calm > excess(dt_s)
     };
     (0..steps.len()).filter(is_jump).map(|at| steps[at].0).collect()

@@ -225,6 +225,12 @@ impl Evidence<'_> {
             (0..self.times_s.len()).map(|tick| self.alone(tick, by)).collect();
         without_dips_and_spikes(&mut judged);
         for (from, to) in runs(&judged) {
+            // The speed around the ticks beside a flight contains its motion; nobody carries a vehicle for so short a time.
+            if judged[from].0 == Phase::Carried && to - from < SHORT_TICKS {
+                judged[from..to].fill(NO_THRUST);
+            }
+        }
+        for (from, to) in runs(&judged) {
             if judged[from].0 == Phase::Air {
                 self.edges(&mut judged, from, to);
             }
