@@ -42,6 +42,9 @@ const CARRYING_SHARE: f64 = 0.7;
 const CRASH_COS: f64 = 0.5;
 const CRASH_TICKS: usize = 140;
 
+/// Longest time for which a vehicle that tipped over tumbles with thrust before somebody stops it, ticks.
+const TUMBLE_TICKS: usize = 300;
+
 /// Number of ticks at rest from which the take-off place is known, and of ticks in flight for the thrust of hovering.
 const FEWEST_TICKS: usize = 50;
 
@@ -250,6 +253,12 @@ impl Evidence<'_> {
             }
         }
         self.tipped_for_long(&mut judged);
+        for (from, to) in runs(&judged) {
+            let after_crash = from > 0 && judged[from - 1].0 == Phase::Crash;
+            if judged[from].0 == Phase::Air && after_crash && to - from < TUMBLE_TICKS {
+                judged[from..to].fill((Phase::Crash, "it tumbles after it tipped over"));
+            }
+        }
         judged
     }
 

@@ -97,6 +97,16 @@ fn a_flight_that_tips_over_ends_in_a_crash() {
 }
 
 #[test]
+fn a_vehicle_that_tumbles_after_it_tipped_over_does_not_fly_again() {
+    let roll = |t: f64| if (27.0..28.0).contains(&t) { 1.5 } else { 0.0 };
+    let flight =
+        made(|t| (if (10.0..30.0).contains(&t) { HOVER } else { 0.0 }, height(t), roll(t)));
+    let found = judge(&flight, None);
+    let after = found.iter().filter(|(phase, from, _)| *phase == Phase::Air && *from > 27.0);
+    assert_eq!(after.count(), 0, "{found:?}");
+}
+
+#[test]
 fn a_dip_is_no_landing_and_a_spike_is_no_flight() {
     let thrust = |t: f64| match (t * 100.0).round() as i32 {
         100..110 | 1000..2000 | 2020..3000 => HOVER,
