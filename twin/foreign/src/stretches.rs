@@ -4,7 +4,7 @@
 use super::container::Findings;
 use super::effort::Settled;
 use super::foreign_parts::ForeignParts;
-use super::gather::{Gathered, MessageDecoder};
+use super::gather::{Gathered, MessageDecoder, Track};
 use super::index::Index;
 use super::recorded::{MirrorError, Reading, RecordedFlight, on_times, tick_count};
 use super::signals::{Signals, signals_of};
@@ -46,8 +46,11 @@ fn stretches(from_ns: u64, to_ns: u64) -> Vec<(u64, u64)> {
     (0..STRETCHES).map(|k| (start(k), start(k).saturating_add(length_ns).min(to_ns))).collect()
 }
 
-/// Reads the messages of the stretches that `map` asks for.
-fn gather(index: &mut Index, map: &Map, stretches: &[(u64, u64)]) -> Gathered {
+/// Step of log time backwards above which the recorder's clock was set, ns.
+const SET_BACK_NS: u64 = 1_000_000_000;
+
+/// Reads the messages of the stretches that `map` asks for; `None` if the recorder's clock was set back, which only reading whole mends.
+fn gather(index: &mut Index, map: &Map, stretches: &[(u64, u64)]) -> Option<Gathered> {
     let mut collector = MessageDecoder::new(map, None);
     let mut problems = Vec::new();
     index.table.definitions.records(&mut |record| collector.take(record));
@@ -65,11 +68,18 @@ fn gather(index: &mut Index, map: &Map, stretches: &[(u64, u64)]) -> Gathered {
         index.table.findings.problem(why);
     }
     let mut gathered = collector.finish();
+    // The chunks were read in file order.
+    let was_set = |track: &Track| {
+        track.samples.windows(2).any(|pair| pair[0].log_ns > pair[1].log_ns + SET_BACK_NS)
+    };
+    if gathered.tracks.iter().any(was_set) {
+        return None;
+    }
     let inside = |ns: u64| stretches.iter().any(|(from, to)| (*from..=*to).contains(&ns));
     for track in &mut gathered.tracks {
         track.samples.retain(|sample| inside(sample.log_ns));
     }
-    gathered
+    Some(gathered)
 }
 
 /// First and last time of the chunks that contain a pose, ns: a recorder may run for long before and after the flight.
@@ -103,7 +113,8 @@ pub(super) fn judge(mut index: Index, map: &Map) -> Result<(JudgedFlight, Findin
         return Err(MirrorError::NoPose);
     }
     let stretches = stretches(from_ns, to_ns);
-    let (gathered, vehicles) = vehicles::one(gather(&mut index, map, &stretches), &map.vehicle)?;
+    let gathered = gather(&mut index, map, &stretches).ok_or(MirrorError::NoPose)?;
+    let (gathered, vehicles) = vehicles::one(gathered, &map.vehicle)?;
     let unread: Vec<(u64, u64)> = stretches.windows(2).map(|pair| (pair[0].1, pair[1].0)).collect();
     let mut signals = signals_of(&gathered, &unread);
     let seconds = |ns: u64| (i128::from(ns) - i128::from(signals.start_ns)) as f64 / NS;
