@@ -8,6 +8,7 @@ pub(crate) mod console;
 mod crowded;
 mod descriptors;
 mod flying;
+mod forks;
 #[cfg(feature = "foxglove-ws")]
 mod foxglove;
 #[cfg(feature = "foxglove-ws")]

@@ -10,7 +10,11 @@ export type ServerMessage = { "type": "hello" } & Hello | { "type": "state" } & 
 /**
  * In the order they happened.
  */
-events: Array<EventInfo>, } | { "type": "notice" } & Notice | { "type": "pong", 
+events: Array<EventInfo>, } | { "type": "forks", 
+/**
+ * In the order in which they were asked for.
+ */
+forks: Array<ForkInfo>, } | { "type": "notice" } & Notice | { "type": "pong", 
 /**
  * The number sent.
  */
@@ -63,7 +67,31 @@ t: number, } | { "type": "seek",
 /**
  * Time of the recording, s; beyond its ends the end is meant.
  */
-t_s: number, } | { "type": "disturb", 
+t_s: number, } | { "type": "fork", 
+/**
+ * Tick before which the copy begins; `null` is the next tick of the flight.
+ */
+tick: number | null, 
+/**
+ * Keys that change, `key=value` each, as in a scenario; none leaves everything as it is.
+ */
+set: Array<string>, 
+/**
+ * For people; empty takes a number.
+ */
+name: string, } | { "type": "name_fork", 
+/**
+ * Its identifier.
+ */
+id: number, 
+/**
+ * For people.
+ */
+name: string, } | { "type": "drop_fork", 
+/**
+ * Its identifier.
+ */
+id: number, } | { "type": "disturb", 
 /**
  * What to change.
  */
@@ -165,7 +193,11 @@ state: StateInfo,
 /**
  * The last events, oldest first.
  */
-events: Array<EventInfo>, };
+events: Array<EventInfo>, 
+/**
+ * The forks of the flight.
+ */
+forks: Array<ForkInfo>, };
 
 /**
  * A number that messages of a client carry, with what bounds it.
@@ -545,6 +577,115 @@ ms: number, };
  * Whether ticks are flown.
  */
 export type FlightPhase = "flying" | "paused" | "ended";
+
+/**
+ * A fork of the flight.
+ */
+export type ForkInfo = { 
+/**
+ * Its identifier, which no other fork of this server has.
+ */
+id: number, 
+/**
+ * Its place among the colours, from 0; no other fork has it at the same time.
+ */
+slot: number, 
+/**
+ * For people.
+ */
+name: string, 
+/**
+ * Time of the flight before which it begins, s.
+ */
+at_s: number, 
+/**
+ * Keys that were to change, `key=value` each.
+ */
+set: Array<string>, 
+/**
+ * Keys that differ from the flight at that moment; empty until it flies.
+ */
+changed: Array<ForkChange>, 
+/**
+ * How far it is.
+ */
+state: ForkState, 
+/**
+ * Rows that `/api/forks/{id}/{from}` has.
+ */
+ticks: number, 
+/**
+ * Time up to which it has flown, s.
+ */
+flown_s: number, 
+/**
+ * How it ended; `null` until then, and for a fork that still flew after a minute.
+ */
+outcome: ForkOutcome | null, 
+/**
+ * Its metrics from the fork on, beside those of the flight as it would have gone on; empty until both are flown.
+ */
+metrics: Array<ForkMetric>, };
+
+/**
+ * How far a fork is.
+ */
+export type ForkState = "waiting" | "flying" | "flown" | "failed";
+
+/**
+ * The end of a fork.
+ */
+export type ForkOutcome = { 
+/**
+ * The verdict, one word.
+ */
+verdict: string, 
+/**
+ * Its reason, one sentence.
+ */
+reason: string, };
+
+/**
+ * A key that a fork changed.
+ */
+export type ForkChange = { 
+/**
+ * Dotted key.
+ */
+key: string, 
+/**
+ * Value before, as TOML.
+ */
+from: string, 
+/**
+ * Value of the fork, as TOML.
+ */
+to: string, };
+
+/**
+ * A metric of a fork and of the flight.
+ */
+export type ForkMetric = { 
+/**
+ * Name with its unit.
+ */
+metric: string, 
+/**
+ * Value of the fork.
+ */
+value: number | null, 
+/**
+ * Value of the flight.
+ */
+parent: number | null, 
+/**
+ * Fork minus flight.
+ */
+difference: number | null, 
+/**
+ * `better`, `worse`, `equal`, `in one only`, or empty if neither more nor less of it is better.
+ */
+judgement: string, };
 
 /**
  * Something that happened.

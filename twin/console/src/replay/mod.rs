@@ -276,6 +276,7 @@ fn hello(
         preset: PresetName::Custom,
         state,
         events: ticks.iter().flat_map(events).collect(),
+        forks: Vec::new(),
     }
 }
 

@@ -1,5 +1,6 @@
 //! Commands of clients, checked: every value that reaches the flight is inside its limits.
 
+use crate::server::forks::Asked;
 use crate::server::gains::{self, Change};
 use crate::server::protocol::{ClientMessage, PresetName, ScenarioInfo};
 use twin_core::quantity::{self, OutOfRange};
@@ -9,6 +10,12 @@ use twin_scenario::Preset;
 
 /// The answer to a command that finds no room in the queue.
 pub(super) const BUSY: &str = "the flight is busy; nothing was changed, try again";
+
+/// Most keys that a fork changes: every gain and as many other settings.
+const MOST_KEYS: usize = 64;
+
+/// Longest key with its value, bytes: a list of faults as text.
+const MOST_KEY_BYTES: usize = 2048;
 
 /// A command that the flight executes between two ticks.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,6 +39,17 @@ pub(super) enum Command {
     Disturb(Disturbance),
     /// Go to a time of a recording, s.
     Seek(f64),
+    /// Fork the flight.
+    Fork(Asked),
+    /// Name a fork.
+    NameFork {
+        /// Its identifier.
+        id: u32,
+        /// The name.
+        name: String,
+    },
+    /// Forget the fork of this identifier.
+    DropFork(u32),
 }
 
 /// A command with the client that sent it; `None` for the HTTP interface.
@@ -57,6 +75,14 @@ pub(super) enum CommandError {
     /// Failures belong to a scenario, so that the flight can be repeated.
     #[error("disturb failure refused: write it into the scenario as [[faults]]")]
     Failure,
+    /// A fork that changes too much at a time.
+    #[error(
+        "fork refused: found {keys} keys, allowed are {MOST_KEYS} of {MOST_KEY_BYTES} bytes each; write a scenario for more"
+    )]
+    LargeFork {
+        /// Number of keys that were given.
+        keys: usize,
+    },
     /// A number outside its limits.
     #[error(transparent)]
     OutOfRange(#[from] OutOfRange),
@@ -117,6 +143,14 @@ pub(super) fn check(
             quantity::SEEK_TIME.check(t_s)?;
             Command::Seek(t_s)
         }
+        ClientMessage::Fork { tick, set, name } => {
+            if set.len() > MOST_KEYS || set.iter().any(|key| key.len() > MOST_KEY_BYTES) {
+                return Err(CommandError::LargeFork { keys: set.len() });
+            }
+            Command::Fork(Asked { tick, set, name: shortened(&name) })
+        }
+        ClientMessage::NameFork { id, name } => Command::NameFork { id, name: shortened(&name) },
+        ClientMessage::DropFork { id } => Command::DropFork(id),
         ClientMessage::Disturb { disturbance } => {
             harmless(&disturbance)?;
             Command::Disturb(disturbance)

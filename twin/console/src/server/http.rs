@@ -23,12 +23,14 @@ use crate::server::admission::Admission;
 use crate::server::admission::refusals::Refusal;
 use crate::server::client::{Console, connect};
 use crate::server::command::{Command, Request as Ask};
+use crate::server::forks::ForkRows;
 use crate::server::gains::{self, Change};
 use crate::server::mirrored;
 use crate::server::origin::{OriginError, check_host, check_origin};
 use crate::server::pace::now;
 use crate::server::protocol::ClientMessage;
 use crate::server::socket::{NoUpgrade, Upgrade};
+use crate::server::telemetry::{Picture, Telemetry};
 use crate::server::viewers::meshcat::MeshCat;
 use crate::server::viewers::pages;
 use crate::server::{App, assets, metrics, override_file};
@@ -55,6 +57,7 @@ pub(super) fn router(app: Arc<App>) -> Router {
         .route("/api/state", get(state))
         .route("/api/gains", get(list_gains).post(set_gain))
         .route("/api/override.toml", get(override_toml))
+        .route("/api/forks/{id}/{from}", get(fork_rows))
         .route("/metrics", get(metrics_page))
         .merge(pages::routes())
         .route("/{*path}", get(asset))
@@ -176,6 +179,25 @@ async fn state(State(app): State<Arc<App>>) -> Response {
 async fn list_gains(State(app): State<Arc<App>>) -> Response {
     let published = app.hub.published();
     Json(json!({ "preset": published.preset, "gains": published.gains })).into_response()
+}
+
+/// The rows of a fork from its row `from` on, as a telemetry frame without a picture.
+async fn fork_rows(State(app): State<Arc<App>>, Path((id, from)): Path<(u32, usize)>) -> Response {
+    let schema_id = app.hub.published().schema_id;
+    let Some(ForkRows { first_tick, rows }) = app.hub.forks.rows(id, from) else {
+        return (StatusCode::NOT_FOUND, "no such fork").into_response();
+    };
+    let picture = Arc::new(Picture {
+        t_s: 0.0,
+        poses: Vec::new(),
+        ghost: [f32::NAN; 7],
+        contacts: Vec::new(),
+        spectrum: Vec::new(),
+    });
+    let frame = Telemetry { schema_id, first_tick, rows, gap: 0, reset: false, picture };
+    let bytes = frame.encode(app.uptime_s());
+    ([(CONTENT_TYPE, "application/octet-stream"), (CACHE_CONTROL, "no-store")], bytes)
+        .into_response()
 }
 
 async fn metrics_page(State(app): State<Arc<App>>) -> Response {

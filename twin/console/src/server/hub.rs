@@ -3,13 +3,14 @@
 //! A client that joins receives the snapshot and its place in the list under one lock, so it misses no later message.
 
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use tokio::sync::Notify;
 
 use crate::server::admission::budget::Budget;
 use crate::server::agenda::Tally;
+use crate::server::forks::ForkList;
 use crate::server::outbox::{CloseReason, Message, Outbox, RecentRows, SharedMessage};
 use crate::server::pace::now;
 use crate::server::protocol::{FlightPhase, Notice, NoticeLevel, ServerMessage};
@@ -76,12 +77,18 @@ pub(super) struct Hub {
     crowd: AtomicU32,
     /// Counts of commands.
     pub tally: Arc<Tally>,
+    /// The forks of the flight.
+    pub forks: Arc<ForkList>,
+    /// True while the flight thread computes a tick.
+    ticking: AtomicBool,
 }
 
 impl Hub {
     /// A hub without clients.
     pub(super) fn new(published: Published) -> Self {
         Self {
+            forks: Arc::clone(&published.forks),
+            ticking: AtomicBool::new(false),
             shared: Mutex::new(Shared {
                 published,
                 past: RecentRows::default(),
@@ -177,6 +184,18 @@ impl Hub {
         for client in clients {
             client.outbox().push_tick(tick.index, Arc::clone(&row), Arc::clone(&picture));
             client.wake.notify_one();
+        }
+    }
+
+    /// Says whether the flight thread computes a tick now.
+    pub(super) fn set_ticking(&self, ticking: bool) {
+        self.ticking.store(ticking, Ordering::Relaxed);
+    }
+
+    /// Returns when the flight thread computes no tick, so that other work takes only what is left of the machine.
+    pub(super) fn wait_for_tick(&self) {
+        while self.ticking.load(Ordering::Relaxed) && self.is_flying() {
+            std::thread::yield_now();
         }
     }
 

@@ -187,6 +187,11 @@ pub(super) fn refusal(message: &ClientMessage, mirrored: bool) -> Option<&'stati
         ClientMessage::Disturb { .. } => {
             Some("refused: this flight was flown already; nothing can be done to its vehicle")
         }
+        ClientMessage::Fork { .. }
+        | ClientMessage::NameFork { .. }
+        | ClientMessage::DropFork { .. } => Some(
+            "fork refused: the recorded vehicle cannot go on in another way; fork a simulated flight",
+        ),
         ClientMessage::Preset { .. } => Some(
             "preset refused: the recorded vehicle flies its own controller; only the gains of the adapter are in force",
         ),

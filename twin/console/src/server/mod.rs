@@ -5,6 +5,8 @@
 //! (`pilot`) never waits for a socket; each client has its own bounded `outbox`.
 
 mod twin_info;
+mod fork_info;
+mod gain_info;
 pub mod protocol;
 mod quantity_info;
 mod gain_events;
@@ -26,6 +28,7 @@ mod listen;
 mod socket;
 mod mirrored;
 mod served_flight;
+mod forks;
 mod pilot;
 mod requests;
 mod client;

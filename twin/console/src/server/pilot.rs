@@ -4,6 +4,7 @@
 mod planning;
 mod recording;
 mod recorder;
+mod forking;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -14,6 +15,7 @@ use crate::server::ServerError;
 use crate::server::agenda::Agenda;
 use crate::server::command::{Command, Request};
 use crate::server::flight_recorder::FlightRecorder;
+use crate::server::forks::Forks;
 use crate::server::gains::Change;
 use crate::server::hub::Hub;
 use crate::server::mirrored::Mirrored;
@@ -76,6 +78,7 @@ pub(super) struct Pilot {
     warm_up: usize,
     changes: Vec<Change>,
     agenda: Agenda,
+    forks: Forks,
     state_due: Instant,
     schema_id: u16,
 }
@@ -103,6 +106,7 @@ impl Pilot {
         let start = now();
         let hub = Arc::new(Hub::new(published));
         let mut pilot = Self {
+            forks: Forks::new(&hub)?,
             served,
             catalogue,
             agenda: Agenda::new(restart_gap, Arc::clone(&hub.tally)),
@@ -193,6 +197,8 @@ impl Pilot {
     }
 
     fn tick(&mut self) {
+        self.hub.set_ticking(true);
+        self.forks.before_tick(&self.served);
         let (mut spent, mut last) = ([Duration::ZERO; STAGES.len()], now());
         self.lateness.count(self.pace.late(last));
         let mut lap = |stage: usize| {
@@ -221,6 +227,7 @@ impl Pilot {
         let done = lap(STAGES.len() - 1);
         self.pace.ticked(done);
         self.meter.count(spent);
+        self.hub.set_ticking(false);
     }
 
     fn judge(&mut self, tick: &Tick) {
@@ -266,7 +273,13 @@ impl Pilot {
             // An ended flight has no next tick. A step must not pause it either, because a restart keeps the pause.
             Command::Step(_) => {}
             Command::Speed(speed) => self.pace = Pace::new(speed, now()),
-            Command::Disturb(disturbance) => self.served.disturb(&disturbance),
+            Command::Disturb(disturbance) => {
+                let goes_on = self.served.disturb(&disturbance);
+                self.forks.disturbed(self.served.next_tick, disturbance, goes_on);
+            }
+            Command::Fork(asked) => self.fork(asked, request.client),
+            Command::NameFork { id, name } => self.change_fork(id, Some(&name), request.client),
+            Command::DropFork(id) => self.change_fork(id, None, request.client),
             Command::Seek(t_s) => self.seek(t_s, request.client),
             Command::Restart { seed, scenario } => self.restart(seed, scenario, request.client),
         }
@@ -299,9 +312,14 @@ impl Pilot {
         if let Err(error) = self.begin_recording() {
             self.alarm(&error.to_string());
         }
-        let scenarios = self.hub.published().scenarios;
+        self.forks.start_over();
+        let (scenarios, forks) = {
+            let published = self.hub.published();
+            (published.scenarios, published.forks)
+        };
         let mut published = self.served.published(scenarios, self.pace.speed(), self.paused);
         published.schema_id = self.schema_id;
+        published.forks = forks;
         self.hub.restart(published);
     }
 

@@ -3,6 +3,8 @@
 use serde::{Deserialize, Serialize};
 use ts_rs::TS;
 
+pub use crate::server::fork_info::{ForkChange, ForkInfo, ForkMetric, ForkOutcome, ForkState};
+pub use crate::server::gain_info::{GainEcho, GainInfo, GainList, PresetName};
 pub use crate::server::quantity_info::QuantityInfo;
 pub use crate::server::twin_info::{TwinAxis, TwinInfo};
 use twin_core::source::Disturbance;
@@ -33,6 +35,11 @@ pub enum ServerMessage {
     Events {
         /// In the order they happened.
         events: Vec<EventInfo>,
+    },
+    /// All forks of the flight; after every change of one of them. Their rows are at `/api/forks/{id}/{from}`.
+    Forks {
+        /// In the order in which they were asked for.
+        forks: Vec<ForkInfo>,
     },
     /// For this client alone: why its message had no effect.
     Notice(Notice),
@@ -94,6 +101,27 @@ pub enum ClientMessage {
     Seek {
         /// Time of the recording, s; beyond its ends the end is meant.
         t_s: f64,
+    },
+    /// Copies the flight at a moment and flies the copy ahead with other settings.
+    Fork {
+        /// Tick before which the copy begins; `null` is the next tick of the flight.
+        tick: Option<u64>,
+        /// Keys that change, `key=value` each, as in a scenario; none leaves everything as it is.
+        set: Vec<String>,
+        /// For people; empty takes a number.
+        name: String,
+    },
+    /// Gives a fork another name.
+    NameFork {
+        /// Its identifier.
+        id: u32,
+        /// For people.
+        name: String,
+    },
+    /// Forgets a fork.
+    DropFork {
+        /// Its identifier.
+        id: u32,
     },
     /// Changes the world between two ticks.
     Disturb {
@@ -171,6 +199,8 @@ pub struct Hello {
     pub state: StateInfo,
     /// The last events, oldest first.
     pub events: Vec<EventInfo>,
+    /// The forks of the flight.
+    pub forks: Vec<ForkInfo>,
 }
 
 /// A real flight from a recording: the loop predicts and adapts beside it, and acts on nothing.
@@ -234,69 +264,6 @@ pub struct ChannelInfo {
     pub z_scale: Option<f64>,
     /// Known weight of the vehicle that is part of the value, in the unit of the channel; charts leave it out.
     pub weight: Option<f64>,
-}
-
-/// One value an operator may change.
-#[derive(Clone, Debug, PartialEq, Serialize, TS)]
-pub struct GainInfo {
-    /// Unique name, `slope.x`.
-    pub name: String,
-    /// Symbol as in the paper.
-    pub label: String,
-    /// Group it is shown under.
-    pub group: String,
-    /// Unit, empty if none.
-    pub unit: String,
-    /// What it does, one sentence.
-    pub help: String,
-    /// Smallest allowed value.
-    pub min: f64,
-    /// Largest allowed value.
-    pub max: f64,
-    /// Step of a slider.
-    pub step: f64,
-    /// Value in force.
-    pub value: f64,
-    /// Value of the preset chosen last.
-    pub preset_value: f64,
-}
-
-/// A gain that took effect.
-#[derive(Clone, Debug, PartialEq, Serialize, TS)]
-pub struct GainEcho {
-    /// Name of the gain.
-    pub name: String,
-    /// Value in force.
-    pub value: f64,
-    /// First tick flown with it.
-    pub tick: u64,
-    /// Preset all values now agree with.
-    pub preset: PresetName,
-}
-
-/// All gains.
-#[derive(Clone, Debug, PartialEq, Serialize, TS)]
-pub struct GainList {
-    /// Every gain with its value in force.
-    pub gains: Vec<GainInfo>,
-    /// Preset all values agree with.
-    pub preset: PresetName,
-    /// First tick flown with them.
-    pub tick: u64,
-}
-
-/// Name of a set of gains.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, TS)]
-#[serde(rename_all = "snake_case")]
-pub enum PresetName {
-    /// The paper's table and nothing else.
-    Literal,
-    /// The table with the protections.
-    Paper,
-    /// The default.
-    Tuned,
-    /// None of the others.
-    Custom,
 }
 
 /// How the flight stands.

@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
+use crate::server::forks::ForkList;
 use crate::server::pace::Lateness;
 use crate::server::protocol::{
     ChannelInfo, EVENTS_KEPT, EventInfo, GainInfo, Hello, MirrorInfo, PROTOCOL_VERSION, PresetName,
@@ -38,6 +39,8 @@ pub(super) struct Published {
     pub base: PresetName,
     /// Histogram of the delays of ticks.
     pub lateness: Lateness,
+    /// The forks of the flight.
+    pub forks: Arc<ForkList>,
     /// The last events, oldest first.
     pub events: VecDeque<EventInfo>,
 }
@@ -62,6 +65,7 @@ impl Published {
             preset: self.preset,
             state: self.state.clone(),
             events: self.events.iter().cloned().collect(),
+            forks: self.forks.infos(),
         }))
     }
 

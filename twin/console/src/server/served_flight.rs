@@ -40,7 +40,7 @@ pub(super) struct ServedFlight {
     /// Bodies to draw.
     pub scene: Arc<Scene>,
     /// Channels to plot.
-    pub channels: Channels,
+    pub channels: Arc<Channels>,
     /// The recording, if one is mirrored.
     pub mirrored: Option<Arc<Mirrored>>,
     /// How its forecasts did since the last jump.
@@ -74,12 +74,12 @@ impl ServedFlight {
         Ok(Self {
             judge: Judge::new(&scenario.settings),
             presets: GainPresets::new(&scenario, flight.tuning()),
-            channels: Channels::new(
+            channels: Arc::new(Channels::new(
                 scene.rotors.len(),
                 &scenario.actuator_limits()?,
                 &flight.predictor().info(),
             )
-            .with_weight(Some(scenario.weight_n()?)),
+            .with_weight(Some(scenario.weight_n()?))),
             mirrored: None,
             score: None,
             world: World::new(&scenario.settings),
@@ -114,9 +114,11 @@ impl ServedFlight {
         Ok(Self {
             judge: Judge::new(&scenario.settings),
             presets: GainPresets::new(&scenario, flight.tuning()),
-            channels: Channels::mirrored(scene.rotors.len(), mirrored.shadow.scale())
-                .with_weight(Some(mirrored.shadow.weight()))
-                .per_kilogram(mirrored.info.per_kilogram),
+            channels: Arc::new(
+                Channels::mirrored(scene.rotors.len(), mirrored.shadow.scale())
+                    .with_weight(Some(mirrored.shadow.weight()))
+                    .per_kilogram(mirrored.info.per_kilogram),
+            ),
             mirrored: Some(Arc::clone(mirrored)),
             score: Some(Score::new(*mirrored.shadow.scale())),
             world: World::new(&scenario.settings),
@@ -172,6 +174,7 @@ impl ServedFlight {
             base: self.presets.base(),
             state,
             lateness: Lateness::default(),
+            forks: Arc::default(),
             events: self.earlier_events(),
         }
     }
@@ -251,17 +254,19 @@ impl ServedFlight {
         (self.channels.row(&sample), Arc::new(picture))
     }
 
-    /// Changes the world. A push that is repeated before it ends counts as one event.
-    pub(super) fn disturb(&mut self, disturbance: &Disturbance) {
+    /// Changes the world. A push that is repeated before it ends counts as one event; returns whether it did.
+    pub(super) fn disturb(&mut self, disturbance: &Disturbance) -> bool {
         self.world.change(disturbance);
         if let Disturbance::Push { duration_s, .. } = disturbance {
             let goes_on = self.next_tick < self.push_ends;
             self.push_ends = self.next_tick + (duration_s / TICK_S).ceil() as u64;
             if goes_on {
-                return self.flight.prolong(disturbance);
+                self.flight.prolong(disturbance);
+                return true;
             }
         }
         self.flight.disturb(disturbance);
+        false
     }
 }
 

@@ -56,6 +56,15 @@ impl World {
         }
     }
 
+    /// Writes the world into the settings of a scenario.
+    pub(super) fn put_into(&self, settings: &mut Settings) {
+        settings.payload.mass_kg = self.payload_kg.unwrap_or(0.0);
+        settings.wind.velocity_m_s = self.wind_m_s;
+        for name in EFFECTS {
+            settings.switch_effect(name, !self.effects_off.iter().any(|off| off == name));
+        }
+    }
+
     /// Writes the world into the state for clients.
     pub(super) fn describe(&self, state: &mut StateInfo) {
         state.payload_kg = self.payload_kg;

@@ -33,7 +33,9 @@ pub(in crate::server) fn cost(command: &Command) -> f64 {
         // A step flies as fast as the machine can: a thousand ticks are a tenth of a second of work.
         Command::Step(ticks) => 1.0 + f64::from(*ticks) / 50.0,
         // Only the last of the seeks that wait is flown, so a dragged slider may send fifty in a second.
-        Command::Seek(_) => 4.0,
+        Command::Seek(_) | Command::NameFork { .. } | Command::DropFork(_) => 4.0,
+        // A fork flies on a thread of its own, one after the other, and at most six are kept; every client gets their list.
+        Command::Fork(_) => 20.0,
         // The vehicle is built anew, every client gets the scene, and a recording begins: one in a second.
         Command::Restart { .. } => ONE_PER_S,
     }

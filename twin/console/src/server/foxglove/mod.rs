@@ -204,7 +204,7 @@ impl Publisher {
                     self.publish(reached);
                 }
             }
-            ServerMessage::Hello(_) | ServerMessage::Pong { .. } => {}
+            ServerMessage::Hello(_) | ServerMessage::Forks { .. } | ServerMessage::Pong { .. } => {}
         }
     }
 

@@ -24,6 +24,7 @@ impl Pilot {
         let changes = std::mem::take(&mut self.changes);
         let ServedFlight { presets, flight, next_tick, .. } = &mut self.served;
         let applied = presets.apply(flight, changes, *next_tick);
+        self.forks.tuned(*next_tick, flight.tuning());
         let (preset, base) = (presets.preset(flight.tuning()), presets.base());
         let gains = self.served.gains();
         self.hub.publish(|published| {

@@ -186,7 +186,10 @@ impl ViserState {
             ServerMessage::Notice(notice) => {
                 self.notify("not done", &notice.text, "orange", now_s, batch);
             }
-            ServerMessage::Hello(_) | ServerMessage::Pong { .. } | ServerMessage::Reset {} => {}
+            ServerMessage::Hello(_)
+            | ServerMessage::Forks { .. }
+            | ServerMessage::Pong { .. }
+            | ServerMessage::Reset {} => {}
         }
     }
 
