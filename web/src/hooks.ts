@@ -27,6 +27,8 @@ export interface TwinHooks {
   /** Number of reset marks in the history of the charts. */
   readonly resets: number;
   readonly rows: number;
+  /** The forks and how many of their rows the page has. */
+  readonly forks: { id: number; rows: number }[];
   readonly gapTicks: number;
   readonly delivery: Delivery | null;
   /** All commands and their keys. */
@@ -70,6 +72,9 @@ declare global {
 
 export function installHooks(store: Store, link: Link, gains: GainPanel, charts: ChartColumn, world: () => World | null, time: () => { transport: Transport; bar: TimeBar }): void {
   window.__twin = Object.freeze({
+    get forks() {
+      return store.forks.list.map(({ id }) => ({ id, rows: store.forks.count(id) }));
+    },
     get state() {
       return store.state === null ? null : { ...store.state };
     },

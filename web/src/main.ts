@@ -73,7 +73,7 @@ commands.register(
   { id: "camera.top", group: "Camera", description: "look from above", keys: ["T"], action: cameras.top },
   { id: "camera.hand", group: "Camera", description: "show or hide the close-up of the hand", keys: ["H"], action: cameras.hand },
 );
-const bench = new Workbench(store, link, bar);
+const bench = new Workbench(store, link, bar, () => (store.playhead === null ? null : store.timeOf(store.playhead)));
 const mirror = new MirrorBar(store);
 const { gains } = bench;
 startKeys(commands);
@@ -123,6 +123,9 @@ function message(received: ServerMessage): void {
     case "events":
       log.add(store.addEvents(received.events));
       return bar.show();
+    case "forks":
+      store.forks.update(received.forks);
+      return bench.forks.update(received.forks);
     case "notice":
       if (received.level !== "info") gains.refused();
       return notify(received.level, received.text);

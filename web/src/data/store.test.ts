@@ -11,6 +11,7 @@ const hello = {
     { name: "reset", label: "reset", group: "adapter", unit: "", row: null },
   ],
   events: [],
+  forks: [],
   state: {},
 } as unknown as Hello;
 

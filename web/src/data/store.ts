@@ -3,6 +3,7 @@ import type { Telemetry } from "../link/decode";
 import type { ChannelInfo, EventInfo, Hello, StateInfo } from "../protocol";
 import { Archive } from "./archive";
 import { atEffect } from "./gainEvents";
+import { ForkRows } from "./forkRows";
 import { History, HISTORY_TICKS } from "./history";
 import { Pictures } from "./pictures";
 import { covers, type TickSpan } from "./spans";
@@ -33,6 +34,7 @@ export class Store {
   /** Ticks that were lost on the way to this page, oldest first. */
   gaps: TickSpan[] = [];
   events: EventInfo[] = [];
+  readonly forks = new ForkRows();
   private columns = new Map<string, number>();
   /** The archive of the mirrored recording; null for a simulated flight and for a stream. */
   private archive: Archive | null = null;
@@ -58,6 +60,7 @@ export class Store {
     this.history = new History(HISTORY_TICKS, hello.channels.length);
     this.clear();
     this.events = hello.events.slice(-KEPT_EVENTS).map((event) => atEffect(event, hello.tick_s));
+    this.forks.update(hello.forks);
   }
 
   /** Forgets the rows and events of the flight; keeps its description. */

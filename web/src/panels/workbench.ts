@@ -6,6 +6,7 @@ import type { Hello } from "../protocol";
 import { commands } from "./commands";
 import { Compare } from "./compare";
 import { byId, setText } from "./dom";
+import { ForkPanel } from "./forkPanel";
 import { FrameRate } from "./frameRate";
 import { GainPanel, PRESETS } from "./gains";
 import { SLOTS } from "./gainSets";
@@ -26,6 +27,7 @@ import { GRAMS_PER_KG, WorldPanel } from "./worldPanel";
 
 export class Workbench {
   readonly gains: GainPanel;
+  readonly forks: ForkPanel;
   readonly loss = new LossNotice((text) => notify("warning", text));
   private readonly world: WorldPanel;
   private readonly compare: Compare;
@@ -43,13 +45,15 @@ export class Workbench {
     private readonly store: Store,
     private readonly link: Link,
     private readonly bar: TopBar,
+    moment: () => number | null,
   ) {
     this.gains = new GainPanel((request) => link.send(request), () => this.changed());
     this.world = new WorldPanel(store, (request) => link.send(request));
+    this.forks = new ForkPanel(store, (request) => link.send(request), moment, () => this.gains.model.list());
     this.compare = new Compare(this.gains);
     this.history = new HistoryList(this.gains.desk);
     this.deskTabs = startTabs(byId("desk-tabs"), "twin.tab", (id) => {
-      byId("gains-head").hidden = id === "tab-world";
+      byId("gains-head").hidden = id === "tab-world" || id === "tab-forks";
       if (this.history !== undefined) this.changed();
     });
     startLayout((layout) => this.gains.setBrief(layout === "fly"));
@@ -65,6 +69,7 @@ export class Workbench {
   rebuild(hello: Hello): void {
     this.gains.rebuild(hello);
     this.world.rebuild();
+    this.forks.rebuild();
     this.show();
   }
 
@@ -88,6 +93,7 @@ export class Workbench {
     this.setLock(stale || playhead !== null);
     this.gains.showAt(playhead, events);
     this.world.show();
+    this.forks.readings();
     this.gains.desk.overdue();
     this.gains.noteLeads((row) => this.store.shown(`lead_s.${row}`));
     this.loss.due(now);
@@ -144,6 +150,7 @@ export class Workbench {
       { id: "world.show", group: "World", description: "payload, wind and effects", keys: ["W"], action: () => this.goTo("tab-world", "payload-number") },
       { id: "world.drop", group: "World", description: "drop the payload", keys: [], action: () => world.dropPayload(), when: tunable },
       { id: "world.calm", group: "World", description: "no wind", keys: [], action: () => world.setWindSpeed(0), when: tunable },
+      { id: "forks.show", group: "Flight", description: "fork the flight: what if", keys: ["K"], action: () => this.goTo("tab-forks", "fork-here") },
       { id: "page.theme", group: "Page", description: "dark or light", keys: [], action: () => byId("theme").click() },
     );
   }

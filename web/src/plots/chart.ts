@@ -7,6 +7,7 @@ import type { ChannelInfo } from "../protocol";
 import type { ChartColors } from "./colors";
 import { extentOf, type Fan, fanOf } from "./fan";
 import { drawFan, type Field } from "./fanPen";
+import { drawForks, type ForkLine, forkLines } from "./forkPen";
 import type { Frame } from "./frame";
 import { drawBehind, drawLimits, drawMarks, drawUnknown } from "./marks";
 import { chartOptions, colorOf, plotSize } from "./options";
@@ -39,6 +40,7 @@ export class Chart implements Panel {
   private zscore = false;
   /** Which series are shown: all but those that wait for their first known value. */
   private readonly shown: boolean[];
+  private forks: ForkLine[] = [];
   private fan: Fan | null = null;
   /** Tick at which the fan begins. */
   private fanTick = NaN;
@@ -87,6 +89,7 @@ export class Chart implements Panel {
     const out = decimate(this.store.history, this.traces, frame.ticks[0], frame.ticks[1], frame.bucket, this.store.timeOf);
     this.x = out.x;
     this.values = this.spec.logarithmic === true ? out.series.map(positive) : out.series;
+    this.forks = this.forkLines(frame);
     this.fanAt(this.fanTick);
     this.fit();
     this.showKnown();
@@ -163,6 +166,7 @@ export class Chart implements Panel {
 
   private drawOver(plot: uPlot): void {
     if (this.frame === null) return;
+    drawForks(fieldOf(plot), this.forks, this.colors, this.lineWidth);
     if (this.limits.length > 0) drawLimits(plot, this.limits, this.colors);
     const lost = this.lost();
     const railed = this.series.map((series, k) => ({ series, k })).filter(({ series, k }) => this.shown[k] === true && series.silent !== true && (this.values[k] ?? []).includes(null));
@@ -180,8 +184,16 @@ export class Chart implements Panel {
 
   private fit(): void {
     const logarithmic = this.spec.logarithmic === true;
-    const bounds = boundsOf([...this.values, ...this.limits, extentOf(this.fan)], logarithmic);
+    const forks = this.forks.map(({ points }) => points.map(([, value]) => value));
+    const bounds = boundsOf([...this.values, ...this.limits, extentOf(this.fan), ...forks], logarithmic);
     this.yRange = logarithmic ? decadeRange(this.yRange, bounds) : linearRange(this.yRange, bounds, this.spec.smallestSpan);
+  }
+
+  /** The lines of the forks: each shows the first series of the chart. */
+  private forkLines(frame: Frame): ForkLine[] {
+    const k = this.series.findIndex(({ silent }) => silent !== true);
+    const column = k < 0 ? undefined : this.store.index(this.series[k]?.channel ?? "");
+    return column === undefined ? [] : forkLines(this.store, column, this.scale(k), frame, this.spec.logarithmic === true);
   }
 
   private fanAt(tick: number): void {

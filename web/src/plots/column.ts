@@ -28,6 +28,9 @@ const SPREAD_MS = { software: 250, hardware: 100 };
 /** The text for screen readers is written when the cursor has rested for this long, ms. */
 const SPEAK_AFTER_MS = 500;
 
+/** Largest part of the window that forks may take beyond now. */
+const FORKS_PART = 0.4;
+
 export class ChartColumn {
   /** Called with the tick under the cursor when it changes; null without a cursor. */
   onCursor: (tick: number | null) => void = () => undefined;
@@ -48,6 +51,7 @@ export class ChartColumn {
   private frameAt = -Infinity;
   private drawnVersion = -1;
   private drawnEvents: EventInfo[] | null = null;
+  private drawnForks = 0;
   private expired = true;
   private cursor: number | null = null;
   private speech = 0;
@@ -104,7 +108,7 @@ export class ChartColumn {
       this.arrangement.row = row;
       this.changed();
     });
-    this.view.leadS = this.store.horizonTicks * this.store.tickS;
+    this.view.leadS = this.lead();
     const recording = this.store.hello?.mirror?.file ?? null;
     this.view.clear(recording !== null && recording === this.recording);
     this.recording = recording;
@@ -170,6 +174,18 @@ export class ChartColumn {
     return this.current;
   }
 
+  /** Time of the cursor while the operator inspects a moment, s; null while the charts follow the flight. */
+  get moment(): number | null {
+    return this.view.inspecting ? this.cursorTime() : null;
+  }
+
+  /** Time that the charts show beyond now, s: as far as the forecast and the forks reach, but at most a part of the window. */
+  private lead(): number {
+    const { store } = this;
+    const forks = Number.isFinite(store.forks.end) ? (store.forks.end - 1 - Math.max(0, store.lastTick)) * store.tickS : 0;
+    return Math.max(store.horizonTicks * store.tickS, Math.min(forks, this.view.windowS * FORKS_PART));
+  }
+
   private cursorTime(): number | null {
     return this.current === null ? null : this.view.cursor(this.current.span);
   }
@@ -183,7 +199,7 @@ export class ChartColumn {
 
   private outdated(): boolean {
     const { current, store } = this;
-    if (current === null || this.drawnEvents !== store.events) return true;
+    if (current === null || this.drawnEvents !== store.events || this.drawnForks !== store.forks.version) return true;
     return store.history.last !== current.newest && (!this.view.inspecting || current.span[1] >= store.timeOf(current.newest));
   }
 
@@ -193,6 +209,8 @@ export class ChartColumn {
     this.expired = false;
     this.drawnVersion = this.view.version;
     this.drawnEvents = this.store.events;
+    this.drawnForks = this.store.forks.version;
+    this.view.leadS = this.lead();
     this.current = takeFrame(this.store, this.view, this.plotWidth(), this.arrangement.zscore, this.arrangement.unmarked);
     this.timeline.refresh(this.current, this.root.clientWidth);
     this.table.show(rangeOf(this.view), this.panels.list);

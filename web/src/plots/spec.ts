@@ -10,7 +10,7 @@ export interface SeriesSpec {
   channel: string;
   label: string;
   /** A named colour, or an index into the list of colours. */
-  color: Exclude<keyof ChartColors, "series"> | number;
+  color: Exclude<keyof ChartColors, "series" | "forks"> | number;
   dash?: number[];
   /** Whether the line is drawn as steps, because the value is set and not measured. */
   stepped?: boolean;
