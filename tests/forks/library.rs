@@ -59,6 +59,8 @@ fn said(tick: &Tick) -> Vec<(EventKind, &str)> {
 fn an_unchanged_fork_is_the_flight_itself_and_has_no_difference() {
     let scenario = hover(&[
         "changes=[{at_s=1.0,set=[\"gains.leak=1.5\"]},{at_s=4.0,set=[\"gains.leak=1.8\"]}]",
+        // A demand on the flight is none on its fork, and no difference either.
+        "bounds={flight_s={min=1.0}}",
     ]);
     let (flown, ticks) =
         forked(&scenario, &[order(AT_S, &[]), order(0.0, &[])]).expect("it is allowed");

@@ -134,8 +134,8 @@ fn refused_forks_say_why_and_the_flight_goes_on() {
         |console: &mut Console| console.message("notice")["text"].as_str().unwrap().to_owned();
     fork(&mut console, Some(9_999), &[]);
     assert!(notice(&mut console).contains("tick 9999 is not flown yet"));
-    for _ in 0..6 {
-        fork(&mut console, Some(TICK), &["seed=9"]);
+    for seed in 10..16 {
+        fork(&mut console, Some(TICK), &[&format!("seed={seed}")]);
     }
     assert!(notice(&mut console).contains("6 forks are kept already; drop one"));
     console.send(&json!({ "type": "name_fork", "id": refused["id"], "name": "heavy" }).to_string());

@@ -115,12 +115,16 @@ impl Plan {
             return Err(ForkError::BeforeStart { at_s });
         }
         let refused = |error: ScenarioError| ForkError::Refused { at_s, reason: error.to_string() };
-        let repeats = repeating(scenario, order);
+        let demanding_nothing = without_demands(scenario);
+        let repeats = repeating(&demanding_nothing, order);
         let after = changes::after_each(&repeats).map_err(refused)?;
-        let before = changes::after_each(scenario).map_err(refused)?;
+        let before = changes::after_each(&demanding_nothing).map_err(refused)?;
         let at_fork = |changed: Vec<(f64, Scenario)>| {
             let last = changed.into_iter().take_while(|(time, _)| *time <= at_s).last();
-            last.map_or_else(|| changes::without_changes(&scenario.settings), |(_, s)| s.settings)
+            last.map_or_else(
+                || changes::without_changes(&demanding_nothing.settings),
+                |(_, s)| s.settings,
+            )
         };
         Ok(Self {
             order: order.clone(),
@@ -151,19 +155,25 @@ impl Plan {
     }
 }
 
-/// A scenario that repeats a fork of `parent` from its start. It has no bounds and checks, because those belong to the flight that was
-/// forked.
-fn repeating(parent: &Scenario, order: &Order) -> Scenario {
-    let mut scenario = parent.clone();
-    let settings = &mut scenario.settings;
-    let place = settings.changes.partition_point(|change| change.at_s <= order.at_s);
-    settings.changes.insert(place, Changed { at_s: order.at_s, set: order.set.clone() });
+/// `scenario` without bounds, checks and expected events, which belong to the flight that is forked and say nothing about a fork.
+fn without_demands(scenario: &Scenario) -> Scenario {
+    let mut free = scenario.clone();
+    let settings = &mut free.settings;
     settings.bounds.clear();
     settings.checks.clear();
     settings.golden = None;
     settings.sweep = None;
     settings.expect.fails = None;
     settings.expect.events.clear();
+    free
+}
+
+/// A scenario that repeats a fork of `parent` from its start.
+fn repeating(parent: &Scenario, order: &Order) -> Scenario {
+    let mut scenario = parent.clone();
+    let changes = &mut scenario.settings.changes;
+    let place = changes.partition_point(|change| change.at_s <= order.at_s);
+    changes.insert(place, Changed { at_s: order.at_s, set: order.set.clone() });
     scenario
 }
 

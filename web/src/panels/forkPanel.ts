@@ -101,7 +101,7 @@ export class ForkPanel {
   }
 
   private card(fork: ForkInfo): HTMLElement {
-    const name = element("input", { value: fork.name, ariaLabel: `Name of ${fork.name}`, maxLength: 64 });
+    const name = element("input", { type: "text", value: fork.name, ariaLabel: `Name of ${fork.name}`, maxLength: 64 });
     name.addEventListener("change", () => this.send({ type: "name_fork", id: fork.id, name: name.value }));
     const drop = element("button", { textContent: "Drop", title: `Forget ${fork.name}` });
     drop.addEventListener("click", () => this.send({ type: "drop_fork", id: fork.id }));
@@ -173,12 +173,16 @@ function row({ metric, value, parent, difference, judgement }: ForkMetric): HTML
     element("th", { scope: "row", textContent: metric }),
     element("td", { textContent: text(value) }),
     element("td", { textContent: text(parent) }),
-    element("td", { textContent: difference === null ? "–" : `${sign}${four(difference)}` }),
+    element("td", { textContent: difference === null ? "–" : `${sign}${two(difference)}` }),
     element("td", { textContent: word }),
   ]);
   made.dataset["judgement"] = judgement;
   made.dataset["metric"] = metric;
   return made;
+}
+
+function two(value: number): string {
+  return String(Number(value.toPrecision(2))).replace("-", "−");
 }
 
 function four(value: number): string {
