@@ -15,7 +15,7 @@ use twin_scenario::run::event_lines;
 use twin_scenario::{Report, Scenario, Verdict, fly_until_signal};
 
 use super::orders::Orders;
-use super::{End, Overwrite, default_scenario, forked, print};
+use super::{End, Overwrite, default_scenario, print};
 
 #[derive(Args, Clone)]
 #[allow(clippy::struct_excessive_bools, reason = "each is a flag of the command line")]
@@ -83,7 +83,8 @@ pub(super) fn parse_speed(text: &str) -> Result<Speed, String> {
     }
 }
 
-pub(super) fn run(args: &FlyArgs) -> anyhow::Result<End> {
+/// The file of the scenario that the flags name, and the scenario.
+pub(super) fn scenario(args: &FlyArgs) -> anyhow::Result<(PathBuf, Scenario)> {
     let file = args.scenario.clone().unwrap_or_else(default_scenario);
     if args.scenario.is_none() && !file.exists() {
         anyhow::bail!(
@@ -95,9 +96,11 @@ pub(super) fn run(args: &FlyArgs) -> anyhow::Result<End> {
     overrides.extend(args.seed.map(|seed| format!("seed={seed}")));
     overrides.extend(args.force_weights.then(|| "predictor.force=true".to_owned()));
     let scenario = Scenario::load(&file, &overrides)?;
-    if !args.orders.forks.is_empty() {
-        return forked::run(&scenario, args);
-    }
+    Ok((file, scenario))
+}
+
+pub(super) fn run(args: &FlyArgs) -> anyhow::Result<End> {
+    let (file, scenario) = scenario(args)?;
     if args.headless {
         return headless(&scenario, args);
     }

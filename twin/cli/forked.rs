@@ -15,11 +15,12 @@ use twin_scenario::fork::{Fork, Forked, Plan, fly_forked, plans};
 use twin_scenario::run::event_lines;
 use twin_scenario::{Report, Row, Scenario};
 
-use super::fly::{FlyArgs, print_report, recorder, told};
+use super::fly::{self, FlyArgs, print_report, recorder, told};
 use super::{End, print};
 
 /// Flies the scenario and the forks that the flags ask for.
-pub(super) fn run(scenario: &Scenario, args: &FlyArgs) -> anyhow::Result<End> {
+pub(super) fn run(args: &FlyArgs) -> anyhow::Result<End> {
+    let (_, scenario) = &fly::scenario(args)?;
     let outputs = args.overwrite.outputs();
     outputs.protect(scenario.input_files());
     let plans = plans(scenario, &args.orders.forks)?;

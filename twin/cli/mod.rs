@@ -239,7 +239,8 @@ fn run(command: &Command) -> anyhow::Result<End> {
         signals::catch()?;
     }
     match command {
-        Command::Fly(args) => fly::run(args),
+        Command::Fly(args) if args.orders.forks.is_empty() => fly::run(args),
+        Command::Fly(args) => forked::run(args),
         Command::Collect(args) => collect::run(args),
         Command::Evaluate(args) => evaluate::run(args),
         Command::Test(args) => test::run_tests(args),

@@ -1,6 +1,5 @@
 //! Commands of clients, checked: every value that reaches the flight is inside its limits.
 
-use crate::server::forks::Asked;
 use crate::server::gains::{self, Change};
 use crate::server::protocol::{ClientMessage, PresetName, ScenarioInfo};
 use twin_core::quantity::{self, OutOfRange};
@@ -50,6 +49,17 @@ pub(super) enum Command {
     },
     /// Forget the fork of this identifier.
     DropFork(u32),
+}
+
+/// A fork that is asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Asked {
+    /// Tick before which the fork begins; `None` is the next tick.
+    pub tick: Option<u64>,
+    /// Changed keys, `key=value` each.
+    pub set: Vec<String>,
+    /// Name for people.
+    pub name: String,
 }
 
 /// A command with the client that sent it; `None` for the HTTP interface.

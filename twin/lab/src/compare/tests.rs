@@ -36,13 +36,13 @@ fn offset(flights: &[Flown], alignment: &Alignment) -> i64 {
 
 #[test]
 fn the_best_offset_and_an_event_both_find_how_much_later_a_flight_began() {
-    let flights = [flown("a", 0, 0.0), flown("b", LATE, 0.02)];
+    let flights = [flown("a", 0, 0.0), flown("b", LATE, 0.0)];
     let late = LATE.cast_signed();
     assert_eq!(offset(&flights, &Alignment::Start), 0);
     assert_eq!(offset(&flights, &Alignment::Best), late);
     assert_eq!(offset(&flights, &Alignment::Event("gripped".to_owned())), late);
     assert_eq!(offset(&flights, &Alignment::Event("Grasp".to_owned())), late);
-    let swapped = [flown("b", LATE, 0.02), flown("a", 0, 0.0)];
+    let swapped = [flown("b", LATE, 0.0), flown("a", 0, 0.0)];
     assert_eq!(offset(&swapped, &Alignment::Best), -late);
 }
 

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use super::Asked;
+use crate::server::command::Asked;
 use crate::server::protocol::{ForkInfo, ForkState};
 use twin_scenario::fork::MOST_FORKS;
 

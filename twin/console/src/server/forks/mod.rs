@@ -14,6 +14,7 @@ pub(super) use moment::Moment;
 use std::sync::Arc;
 use std::sync::mpsc::{Sender, channel};
 
+use crate::server::command::Asked;
 use crate::server::forks::flying::{Job, fly_all};
 use crate::server::hub::Hub;
 use crate::server::served_flight::ServedFlight;
@@ -42,17 +43,6 @@ pub(super) enum ForkRefusal {
     /// The thread that flies forks is gone.
     #[error("fork refused: the thread that flies forks has stopped; start the server again")]
     Stopped,
-}
-
-/// A fork that is asked for.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Asked {
-    /// Tick before which the fork begins; `None` is the next tick.
-    pub tick: Option<u64>,
-    /// Changed keys, `key=value` each.
-    pub set: Vec<String>,
-    /// Name for people.
-    pub name: String,
 }
 
 /// The memory of the flight thread, and the way to the thread that flies forks.

@@ -1,7 +1,7 @@
 //! Forks that operators ask for.
 
 use super::Pilot;
-use crate::server::forks::Asked;
+use crate::server::command::Asked;
 use crate::server::protocol::{NoticeLevel, ServerMessage};
 
 impl Pilot {
