@@ -315,7 +315,6 @@ const PRINTING: &[(&[&str], i32)] = &[
     (&["diff", "F", "G"], 1),
     (&["compare", "F", "G", "--json"], 0),
     (&["compare", "F", "G"], 0),
-    (&["compare", "F", "G", "--html", "-"], 0),
     (&["check", "--schema"], 0),
     (&["check", "scenarios/hover.toml"], 0),
     (&["mirror", "F", "--headless"], 0),

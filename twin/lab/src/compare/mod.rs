@@ -34,8 +34,8 @@ pub(crate) const SIGNALS: [&str; 9] = [
     "payload_height_m",
 ];
 
-/// Facts in the metadata of a recording that are compared.
-const FACTS: [&str; 6] = ["scenario", "seed", "version", "git", "kernel", "verdict"];
+/// Facts in the metadata of a recording that are compared. The seed is a key of the scenario.
+const FACTS: [&str; 5] = ["scenario", "version", "git", "kernel", "verdict"];
 
 /// A recorded flight with its name.
 #[derive(Debug)]
