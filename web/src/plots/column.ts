@@ -174,11 +174,6 @@ export class ChartColumn {
     return this.current;
   }
 
-  /** Time of the cursor while the operator inspects a moment, s; null while the charts follow the flight. */
-  get moment(): number | null {
-    return this.view.inspecting ? this.cursorTime() : null;
-  }
-
   /** Time that the charts show beyond now, s: as far as the forecast and the forks reach, but at most a part of the window. */
   private lead(): number {
     const { store } = this;
