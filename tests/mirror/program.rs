@@ -2,9 +2,9 @@
 
 use std::process::{Command, Output, Stdio};
 
-use twin_core::residual::REPORTED;
 use twin_foreign::OpenedFlight;
 use twin_foreign::Shadow;
+use twin_foreign::shadow_score::SCORED;
 use twin_record::read_ticks;
 
 use super::made::{Form, PLAIN, file, flight};
@@ -31,7 +31,7 @@ fn a_flight_is_surveyed_and_mirrored_to_one_json_object_each() {
     assert_eq!(mirror.status.code(), Some(0));
     let found = json(&mirror);
     assert_eq!(found["effort"]["kind"], "fitted");
-    assert_eq!(found["shadow"]["prediction"].as_array().map(Vec::len), Some(REPORTED.len()));
+    assert_eq!(found["shadow"]["prediction"].as_array().map(Vec::len), Some(SCORED.len()));
     assert_eq!(found["forces_are_per_kilogram"], true);
 }
 

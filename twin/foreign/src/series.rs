@@ -149,7 +149,7 @@ impl<const D: usize> Series<D> {
     }
 
     /// Breaks the series at these times, s, in ascending order: nothing is interpolated across a break, and the samples of the first
-    /// [`AFTER_BREAK_S`] after it are left out, so that a tick lies inside.
+    /// 25 ms after it are left out, so that a tick lies inside.
     pub fn break_at(&mut self, breaks_s: &[f64]) {
         let inside = |t_s: f64| breaks_s.iter().any(|at| (*at..at + AFTER_BREAK_S).contains(&t_s));
         let keep: Vec<bool> = self.times_s.iter().map(|t_s| !inside(*t_s)).collect();
