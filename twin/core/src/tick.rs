@@ -205,8 +205,7 @@ pub struct Adapted {
     /// Constant part of the correction, N and N m.
     #[serde(default = "Coords::zeros")]
     pub bias: Coords,
-    /// What has to be added to the forecast of later ticks beside the correction of this tick, at the knots of
-    /// [`crate::residual::horizon`], N and N m; empty if the horizon is not corrected.
+    /// Correction of later ticks at the knots of [`crate::residual::horizon`], N and N m; empty if the horizon is not corrected.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub horizon: Vec<Coords>,
     /// The covariance was reset at this tick.

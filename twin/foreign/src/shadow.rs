@@ -133,7 +133,11 @@ impl Shadow {
 
     /// Whether the residual is known before tick `first`; `None` at the start, and if it is not known.
     fn known_before(&self, first: usize) -> Option<bool> {
-        self.knowledge.iter().take_while(|stretch| stretch.first < first).last().map(|last| last.known)
+        self.knowledge
+            .iter()
+            .take_while(|stretch| stretch.first < first)
+            .last()
+            .map(|last| last.known)
     }
 
     /// Weight of the vehicle, N; for a vehicle of unknown mass that of one kilogram.

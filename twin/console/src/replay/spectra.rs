@@ -4,6 +4,7 @@
 //! In: the ticks in their order. Out: the eigenvalues, largest first. State: an adapter without resets of its own.
 
 use twin_core::notation::{Coords, TICK_S};
+use twin_core::residual::History;
 use twin_core::residual::lra::{Adapter, Settings};
 use twin_core::tick::Tick;
 
@@ -18,15 +19,17 @@ const SAME_TRACE: f64 = 1e-6;
 pub(super) struct Spectra {
     adapter: Option<Adapter>,
     settings: Settings,
+    /// The covariance does not depend on the history.
+    unseen: History,
     newest: Vec<f64>,
 }
 
 impl Spectra {
     /// The spectra of a flight that starts with these settings of the adapter.
     pub(super) fn new(settings: &Settings) -> Self {
-        // The recorded resets are taken over, so the adapter makes none.
-        let settings = Settings { reset_enabled: false, ..*settings };
-        Self { adapter: None, settings, newest: Vec::new() }
+        // The recorded resets are taken over, so the adapter makes none. The horizon has a covariance of its own, which is not asked for.
+        let settings = Settings { reset_enabled: false, horizon_memory_s: 0.0, ..*settings };
+        Self { adapter: None, settings, unseen: History::new(1), newest: Vec::new() }
     }
 
     /// The eigenvalues at `tick`, which follows the tick of the last call; empty while they are unknown.
@@ -38,7 +41,14 @@ impl Spectra {
             self.adapter = Some(start(settings));
         }
         if let Some(adapter) = &mut self.adapter {
-            adapter.step(&tick.forecast, &tick.residual, TICK_S, tick.adapted.frozen, settings);
+            adapter.step(
+                &tick.forecast,
+                &self.unseen,
+                &tick.residual,
+                TICK_S,
+                tick.adapted.frozen,
+                settings,
+            );
         }
         let trace = tick.adapted.covariance_trace;
         if tick.adapted.reset && features > 0 {

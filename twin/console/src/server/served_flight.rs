@@ -74,12 +74,14 @@ impl ServedFlight {
         Ok(Self {
             judge: Judge::new(&scenario.settings),
             presets: GainPresets::new(&scenario, flight.tuning()),
-            channels: Arc::new(Channels::new(
-                scene.rotors.len(),
-                &scenario.actuator_limits()?,
-                &flight.predictor().info(),
-            )
-            .with_weight(Some(scenario.weight_n()?))),
+            channels: Arc::new(
+                Channels::new(
+                    scene.rotors.len(),
+                    &scenario.actuator_limits()?,
+                    &flight.predictor().info(),
+                )
+                .with_weight(Some(scenario.weight_n()?)),
+            ),
             mirrored: None,
             score: None,
             world: World::new(&scenario.settings),

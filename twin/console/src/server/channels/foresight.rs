@@ -84,13 +84,14 @@ mod tests {
     }
 
     #[test]
-    fn the_fan_is_the_forecast_with_the_correction_of_its_first_step_and_ends_at_the_horizon() {
+    fn the_fan_is_the_forecast_with_both_corrections_and_ends_at_the_horizon() {
         let mut tick = fixture::tick(3);
         tick.forecast.base = (0..=12).map(|j| Coords::repeat(f64::from(j)).into()).collect();
         tick.adapted.r_hat = Coords::repeat(0.25).into();
+        tick.adapted.horizon = vec![Coords::repeat(0.5); 6];
         let channels = channels(4);
-        assert_eq!(value(&channels, &tick, "fan_05.q1").to_bits(), 5.25_f32.to_bits());
-        assert_eq!(value(&channels, &tick, "fan_10.x").to_bits(), 10.25_f32.to_bits());
+        assert_eq!(value(&channels, &tick, "fan_05.q1").to_bits(), 5.75_f32.to_bits());
+        assert_eq!(value(&channels, &tick, "fan_10.x").to_bits(), 10.75_f32.to_bits());
         assert!(value(&channels, &tick, "fan_15.x").is_nan(), "beyond the horizon");
     }
 }
