@@ -10,7 +10,7 @@ function flown(channels: Record<string, (tick: number) => number>): Store {
   const store = new Store();
   const names = Object.keys(channels);
   const infos = names.map((name) => ({ name, row: name.split(".")[1] ?? null, z_scale: 2, limits: name.startsWith("rotor.") ? [0, 10] : null }));
-  store.accept({ schema_id: 1, tick_s: 0.01, channels: infos, events: [], state: {} } as unknown as Hello);
+  store.accept({ schema_id: 1, tick_s: 0.01, channels: infos, events: [], forks: [], state: {} } as unknown as Hello);
   const rows = Array.from({ length: TICKS }, (_, tick) => names.map((name) => channels[name]?.(tick) ?? NaN));
   const none = new Float32Array();
   store.ingest({ schemaId: 1, firstTick: 0, rows: TICKS, channelCount: names.length, gap: 0, reset: false, tSim: 3, tWall: 0, channels: Float32Array.from(rows.flat()), poses: none, reference: none, contacts: none, spectrum: none });

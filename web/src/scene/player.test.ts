@@ -4,7 +4,7 @@ import type { Telemetry } from "../link/decode";
 import type { Hello } from "../protocol";
 import { ScenePlayer } from "./player";
 
-const hello = { schema_id: 1, tick_s: 0.01, channels: [{ name: "rotor.0" }], events: [], state: {} } as unknown as Hello;
+const hello = { schema_id: 1, tick_s: 0.01, channels: [{ name: "rotor.0" }], events: [], forks: [], state: {} } as unknown as Hello;
 
 function flown(ticks: number): { store: Store; player: ScenePlayer; did: string[]; newest: () => Telemetry | undefined } {
   const store = new Store();

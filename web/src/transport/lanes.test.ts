@@ -12,7 +12,7 @@ function flown(mirror: unknown = null): { store: Store; view: View } {
   const channels = ["innovation_mean", "reset_threshold", "reset"].map((name) => ({ name, row: null }));
   const events = [event(0, "phase", "hovering"), event(150, "phase", "picking"), event(160, "gain"), event(200, "reset"), event(300, "grasp"), event(310, "surprise")];
   const store = new Store();
-  store.accept({ schema_id: 1, tick_s: 0.01, channels, events, state: {}, mirror } as unknown as Hello);
+  store.accept({ schema_id: 1, tick_s: 0.01, channels, events, forks: [], state: {}, mirror } as unknown as Hello);
   const rows = Array.from({ length: TICKS }, (_, tick) => [tick === 200 ? 1 : 0.1, 0.5, tick === 200 ? 1 : 0]);
   const empty = new Float32Array();
   store.ingest({ schemaId: 1, firstTick: 0, rows: TICKS, channelCount: 3, gap: 0, reset: false, tSim: 4, tWall: 0, channels: Float32Array.from(rows.flat()), poses: empty, reference: empty, contacts: empty, spectrum: empty });

@@ -17,7 +17,7 @@ function stand(tick: number, phase: StateInfo["phase"]): void {
 beforeEach(() => {
   vi.useFakeTimers();
   store = new Store();
-  store.accept({ schema_id: 1, tick_s: 0.01, channels: [], events: [], state: {} } as unknown as Hello);
+  store.accept({ schema_id: 1, tick_s: 0.01, channels: [], events: [], forks: [], state: {} } as unknown as Hello);
   asked = [];
   transport = new MirrorTransport(store, info, (message) => asked.push(message), () => ({ from: 3, to: 5 }));
 });

@@ -35,6 +35,10 @@ const PRIOR: f64 = 30.0;
 /// Weight of an earlier error, relative to one of this tick, in the share of a correction that is used: a memory of 2 s.
 const SHARE_FORGETTING: f64 = 0.995;
 
+/// Number of ticks that a correction is on trial before it is used: the memory of the share. At the start of a flight filters settle, and
+/// what is learned from that holds for nothing later.
+const TRIAL: u32 = 200;
+
 /// Sum of squared corrections at each knot, in units of the scale, below which a correction is doubted: it was too small for its worth to
 /// be known. Later forecasts err more, and so do their corrections. With less doubt the first seconds of a path track worse.
 const DOUBTS: [f64; KNOTS.len()] = [0.003, 0.03, 0.1, 0.1, 0.1, 0.1];
@@ -69,20 +73,26 @@ struct Share {
     square: Coords,
     /// What that sum has at least.
     doubt: f64,
+    /// Number of lessons so far, up to [`TRIAL`].
+    lessons: u32,
 }
 
 impl Share {
     fn new(doubt: f64) -> Self {
-        Self { product: Coords::zeros(), square: Coords::repeat(doubt), doubt }
+        Self { product: Coords::zeros(), square: Coords::repeat(doubt), doubt, lessons: 0 }
     }
 
     fn learn(&mut self, error: &Coords, correction: &Coords) {
+        self.lessons = TRIAL.min(self.lessons + 1);
         let doubt = Coords::repeat(self.doubt * (1.0 - SHARE_FORGETTING));
         self.product = self.product * SHARE_FORGETTING + error.component_mul(correction);
         self.square = self.square * SHARE_FORGETTING + correction.component_mul(correction) + doubt;
     }
 
     fn share(&self) -> Coords {
+        if self.lessons < TRIAL {
+            return Coords::zeros();
+        }
         self.product.component_div(&self.square).map(|share| share.clamp(0.0, 1.0))
     }
 }
