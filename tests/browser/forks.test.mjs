@@ -82,10 +82,10 @@ test("a fork with another payload has the metrics of the headless fork, and its 
   await shot("forks");
 });
 
-test("a fork at the cursor begins there, refusals say why, and a dropped fork is gone", LIMIT, async () => {
+test("a fork at the playhead begins there, refusals say why, and a dropped fork is gone", LIMIT, async () => {
   await page.locator("#fork-clear").click();
   await page.keyboard.press("p");
-  await until(async () => /cursor/.test(await page.locator("#fork-here").innerText()), SOON, "the button names the cursor");
+  await until(async () => /playhead/.test(await page.locator("#fork-here").innerText()), SOON, "the button names the playhead");
   const text = await page.locator("#fork-here").innerText();
   const at = Number(/at ([\d.]+) s/.exec(text)[1]);
   await page.locator("#fork-predictor").selectOption("persistence");

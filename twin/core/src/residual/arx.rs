@@ -25,7 +25,7 @@ pub const TICKS: usize = 4;
 pub(super) const INPUTS: usize = 1 + 3 * N * TICKS;
 
 /// Steps `j` that are learned. An iterated one-step model has the same errors within 3 %, and nothing keeps it bounded.
-pub(super) const KNOTS: [usize; 6] = [0, 3, 6, 10, 16, HORIZON];
+pub const KNOTS: [usize; 6] = [0, 3, 6, 10, 16, HORIZON];
 
 /// Weight of an error of the previous tick relative to one of this tick: a memory of 20 s, in which every coordinate moves.
 const FORGETTING: f64 = 0.9995;
