@@ -90,7 +90,8 @@ export class Workbench {
     const now = clockMs();
     const { playhead, events } = this.store;
     setText(byId("desk-locked"), playhead === null ? "Locked: what you see is old." : `As it was at ${this.store.timeOf(playhead).toFixed(2)} s. Go back to live to tune.`);
-    this.setLock(stale || playhead !== null);
+    // A fork of a past moment is asked for in the past.
+    this.setLock(stale || (playhead !== null && this.deskTabs.shown !== "tab-forks"));
     this.gains.showAt(playhead, events);
     this.world.show();
     this.forks.readings();
