@@ -96,6 +96,20 @@ struct Builder {
     scale: Coords,
 }
 
+/// The description of a channel that belongs to no coordinate and has no limits.
+fn plain(group: &str, unit: &str, name: &str, label: &str) -> ChannelInfo {
+    ChannelInfo {
+        name: name.to_owned(),
+        label: label.to_owned(),
+        group: group.to_owned(),
+        unit: unit.to_owned(),
+        row: None,
+        limits: None,
+        z_scale: None,
+        weight: None,
+    }
+}
+
 impl Builder {
     fn add<V: Into<Option<f64>>>(
         &mut self,
@@ -117,16 +131,7 @@ impl Builder {
         take: impl Fn(&RowSource) -> V + Send + Sync + 'static,
     ) -> &mut ChannelInfo {
         self.takes.push(Box::new(move |sample| take(sample).into()));
-        self.infos.push_mut(ChannelInfo {
-            name: name.to_owned(),
-            label: label.to_owned(),
-            group: group.to_owned(),
-            unit: unit.to_owned(),
-            row: None,
-            limits: None,
-            z_scale: None,
-            weight: None,
-        })
+        self.infos.push_mut(plain(group, unit, name, label))
     }
 
     /// One channel per coordinate.

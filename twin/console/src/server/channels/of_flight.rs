@@ -2,8 +2,7 @@
 
 use std::sync::Arc;
 
-use super::Channels;
-use crate::server::protocol::ChannelInfo;
+use super::{Channels, plain};
 use twin_core::tick::Tick;
 
 /// Stems of the channels whose row z has the whole residual as value, and therefore the weight in it; an error, a bias or a standard
@@ -27,16 +26,7 @@ impl Channels {
         take: impl Fn(&Tick) -> Option<f64> + Send + Sync + 'static,
     ) {
         self.takes.push(Box::new(move |sample| take(sample.tick)));
-        Arc::make_mut(&mut self.infos).push(ChannelInfo {
-            name: name.to_owned(),
-            label: label.to_owned(),
-            group: group.to_owned(),
-            unit: unit.to_owned(),
-            row: None,
-            limits: None,
-            z_scale: None,
-            weight: None,
-        });
+        Arc::make_mut(&mut self.infos).push(plain(group, unit, name, label));
     }
 
     /// The channels of a vehicle whose weight is known: its residual along z is at least this large, in the unit of the channel.
