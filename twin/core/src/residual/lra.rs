@@ -84,7 +84,8 @@ pub struct Adapter {
     bias: Coords,
     innovation_mean: Coords,
     ticks_since_reset: u64,
-    horizon: HorizonAdapter,
+    /// From the first tick on in which it is switched on: it is large, and a copy of a flight copies it.
+    horizon: Option<Box<HorizonAdapter>>,
 }
 
 impl Adapter {
@@ -98,7 +99,7 @@ impl Adapter {
             bias: Coords::zeros(),
             innovation_mean: Coords::zeros(),
             ticks_since_reset: u64::MAX / 2,
-            horizon: HorizonAdapter::new(scale),
+            horizon: None,
         }
     }
 
@@ -174,7 +175,15 @@ impl Adapter {
             && lesson.iter().chain(g.iter()).all(|v| v.is_finite());
         let horizon = if settings.enabled && settings.horizon_memory_s > 0.0 && self.adapts(&g) {
             let forgetting = horizon::forgetting(settings.horizon_memory_s, dt_s);
-            self.horizon.step(forecast, &correction, history, residual, forgetting, usable)
+            let scale = self.scale;
+            self.horizon.get_or_insert_with(|| Box::new(HorizonAdapter::new(scale))).step(
+                forecast,
+                &correction,
+                history,
+                residual,
+                forgetting,
+                usable,
+            )
         } else {
             Vec::new()
         };
