@@ -12,6 +12,7 @@ use std::collections::VecDeque;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::knots::{KNOTS, between};
 use super::random_features::RATE_SCALE;
 use super::{HORIZON, History, NOMINAL_SCALE, Predictor};
 use crate::notation::{Coords, N};
@@ -23,9 +24,6 @@ pub const TICKS: usize = 4;
 
 /// Number of inputs: a constant, and three groups of coordinates for each tick.
 pub(super) const INPUTS: usize = 1 + 3 * N * TICKS;
-
-/// Steps `j` that are learned. An iterated one-step model has the same errors within 3 %, and nothing keeps it bounded.
-pub const KNOTS: [usize; 6] = [0, 3, 6, 10, 16, HORIZON];
 
 /// Weight of an error of the previous tick relative to one of this tick: a memory of 20 s, in which every coordinate moves.
 const FORGETTING: f64 = 0.9995;
@@ -119,15 +117,6 @@ impl ArxRls {
     }
 }
 
-/// The value at step `j` on the line between the `knots` around it.
-pub(super) fn between(knots: &[Coords], j: usize) -> Coords {
-    let after = KNOTS.iter().position(|knot| *knot >= j).unwrap_or(KNOTS.len() - 1);
-    let before = after.saturating_sub(1);
-    let width = (KNOTS[after] - KNOTS[before]).max(1) as f64;
-    let share = (KNOTS[after].saturating_sub(j)) as f64 / width;
-    knots[after] * (1.0 - share) + knots[before] * share
-}
-
 impl Predictor for ArxRls {
     fn regime_len(&self) -> usize {
         0
@@ -166,24 +155,9 @@ impl Predictor for ArxRls {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::elementary::{cos, powi, sin};
+    use crate::elementary::powi;
     use crate::notation::KnownCoords;
-
-    /// Two waves for each coordinate of a few newtons; the rates and forces are other waves.
-    fn fill(history: &mut History, tick: usize) {
-        let t = tick as f64;
-        let wave = |at: f64| Coords::from_fn(|row, _| sin(at * (0.05 + 0.01 * row as f64)));
-        history.push(
-            Coords::zeros(),
-            wave(t + 9.0) * 0.3,
-            residual(tick) + wave(t) * 0.5,
-            residual(tick),
-        );
-    }
-
-    fn residual(tick: usize) -> Coords {
-        Coords::from_fn(|row, _| 1.0 + cos(tick as f64 * (0.03 + 0.004 * row as f64)))
-    }
+    use crate::residual::waves::{push, residual};
 
     #[test]
     fn it_starts_as_persistence_and_learns_a_wave_at_every_step() {
@@ -192,12 +166,12 @@ mod tests {
         const TOLERANCE: f64 = 0.07;
         const TICKS_FLOWN: usize = 3000;
         let (mut arx, mut history) = (ArxRls::default(), History::new(TICKS));
-        fill(&mut history, 0);
+        push(&mut history, 0);
         let first = arx.predict(&history);
         assert!(first.base.iter().all(|base| (**base - residual(0)).norm() < 1e-12));
         let mut said = first;
         for tick in 1..TICKS_FLOWN {
-            fill(&mut history, tick);
+            push(&mut history, tick);
             said = arx.predict(&history);
         }
         assert_eq!(said.base.len(), HORIZON + 1);
@@ -218,7 +192,7 @@ mod tests {
         let mut asked = Vec::new();
         let scale = Coords::from(NOMINAL_SCALE);
         for tick in 0..TICKS_FLOWN {
-            fill(&mut history, tick);
+            push(&mut history, tick);
             asked.push(inputs_of(&history, &scale));
             arx.predict(&history);
         }
@@ -244,7 +218,7 @@ mod tests {
     fn a_number_that_is_not_finite_is_answered_and_not_learned() {
         let (mut arx, mut history) = (ArxRls::default(), History::new(TICKS));
         for tick in 0..50 {
-            fill(&mut history, tick);
+            push(&mut history, tick);
             arx.predict(&history);
         }
         let (weights, covariance) = (arx.weights.clone(), arx.covariance.clone());
@@ -252,7 +226,7 @@ mod tests {
         assert!(!arx.predict(&history).base[0].is_finite());
         assert_eq!((&arx.weights, &arx.covariance), (&weights, &covariance));
         for tick in 50..60 {
-            fill(&mut history, tick);
+            push(&mut history, tick);
             arx.predict(&history);
         }
         assert!(arx.predict(&history).base.iter().all(KnownCoords::is_finite));

@@ -10,6 +10,7 @@ use std::collections::VecDeque;
 use nalgebra::{SMatrix, SVector};
 
 use super::HORIZON;
+use super::knots::KNOTS;
 use crate::elementary::squared;
 
 /// Number of past residuals that are inputs. The residual passed a filter of second order, so four of them continue it; six leave room
@@ -24,9 +25,6 @@ const INPUTS: usize = 1 + RESIDUALS + FORCE_AGES.len() + 1;
 
 /// Place of the first force among the inputs.
 const FORCES: usize = 1 + RESIDUALS;
-
-/// Steps `j` that are learned.
-pub(super) const KNOTS: [usize; 6] = [0, 3, 6, 10, 16, HORIZON];
 
 /// Weight of an error of the previous tick relative to one of this tick: a memory of 50 s. Shorter memories fit the noise of the long
 /// steps on recorded flights.

@@ -6,8 +6,9 @@
 //!
 //! [`ArxRls`](super::ArxRls) is one model of all coordinates; it learns their coupling where all of them are known.
 
-use super::arx_row::{ArxRow, FORCE_AGES, KNOTS, Past, RESIDUALS};
+use super::arx_row::{ArxRow, FORCE_AGES, Past, RESIDUALS};
 use super::history::Entry;
+use super::knots::{KNOTS, between};
 use super::{HORIZON, History, NOMINAL_SCALE, Predictor};
 use crate::notation::{Coords, N};
 use crate::tick::Forecast;
@@ -44,15 +45,6 @@ fn past(entries: &[&Entry], row: usize) -> Past {
         forces: FORCE_AGES.map(|age| Some(known(age)?.tau_previous[row])),
         rate: entries.first().map_or(0.0, |entry| entry.chi_dot[row]),
     }
-}
-
-/// The value at step `j` on the line between the knots around it.
-fn between(knots: &[f64; KNOTS.len()], j: usize) -> f64 {
-    let after = KNOTS.iter().position(|knot| *knot >= j).unwrap_or(KNOTS.len() - 1);
-    let before = after.saturating_sub(1);
-    let width = (KNOTS[after] - KNOTS[before]).max(1) as f64;
-    let share = KNOTS[after].saturating_sub(j) as f64 / width;
-    knots[after] * (1.0 - share) + knots[before] * share
 }
 
 impl Predictor for ArxRows {

@@ -20,7 +20,8 @@ use std::collections::VecDeque;
 use nalgebra::{DMatrix, DVector};
 
 use super::History;
-use super::arx::{INPUTS as OF_HISTORY, KNOTS, between, inputs_of};
+use super::arx::{INPUTS as OF_HISTORY, inputs_of};
+use super::knots::{KNOTS, between};
 use crate::elementary::exp;
 use crate::notation::{Coords, KnownCoords, N};
 use crate::tick::Forecast;
@@ -208,10 +209,10 @@ impl HorizonAdapter {
         let put_back = knowledge / (1.0 + knowledge * column[turn]);
         // Both factors of a product are entries of one vector, so the matrix stays symmetric to the last bit.
         for j in 0..INPUTS {
-            let mut entries = p.column_mut(j);
-            for i in 0..INPUTS {
-                entries[i] = (entries[i] - learned * (p_inputs[i] * p_inputs[j])) * kept
-                    - put_back * (column[i] * column[j]);
+            let (p_j, column_j) = (p_inputs[j], column[j]);
+            let factors = p_inputs.iter().zip(column.iter());
+            for (entry, (p_i, column_i)) in p.column_mut(j).iter_mut().zip(factors) {
+                *entry = (*entry - learned * (p_i * p_j)) * kept - put_back * (column_i * column_j);
             }
         }
         self.turn = (turn + 1) % INPUTS;

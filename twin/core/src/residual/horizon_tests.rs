@@ -1,31 +1,15 @@
 //! The correction of the horizon: against the solution of the normal equations, and what it does while nothing can be learned.
 
 use super::*;
-use crate::elementary::{cos, powi, sin};
+use crate::elementary::powi;
 use crate::residual::HORIZON;
+use crate::residual::waves::{push, residual};
 
 /// Forgetting of a memory of 2 s, so that a test of a few hundred ticks forgets.
 const FORGETTING: f64 = 0.995;
 
 /// Sums of hundreds of numbers of order ten, times the condition of the normal equations, near 1e6.
 const ROUNDING: f64 = 1e-7;
-
-/// A residual of a few newtons: two waves for each coordinate.
-fn residual(tick: usize) -> Coords {
-    Coords::from_fn(|row, _| 1.0 + cos(tick as f64 * (0.03 + 0.004 * row as f64)))
-}
-
-/// A history to which one tick of waves was appended.
-fn push(history: &mut History, tick: usize) {
-    let t = tick as f64;
-    let wave = |at: f64| Coords::from_fn(|row, _| sin(at * (0.05 + 0.01 * row as f64)));
-    history.push(
-        Coords::zeros(),
-        wave(t + 9.0) * 0.3,
-        residual(tick) + wave(t) * 0.5,
-        residual(tick),
-    );
-}
 
 /// A forecast of the constant `value` over the whole horizon.
 fn constant(value: f64) -> Forecast {

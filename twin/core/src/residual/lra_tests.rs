@@ -11,6 +11,17 @@ fn forecast(g: &[f64]) -> Forecast {
     Forecast { base: vec![Coords::zeros().into()], regime: g.to_vec(), attention: Vec::new() }
 }
 
+/// One step of 10 ms with the features `g` and a base forecast of zero.
+fn step(
+    adapter: &mut Adapter,
+    g: &[f64],
+    residual: &KnownCoords,
+    frozen: bool,
+    settings: &Settings,
+) -> Adapted {
+    adapter.step(&forecast(g), &History::new(1), residual, 0.01, frozen, settings)
+}
+
 #[test]
 fn the_spectrum_of_a_known_covariance_is_known_and_ordered() {
     // Householder reflection H = I - 2 v v' / v'v of diag(5, 2, 0.5): eigenvalues stay.
@@ -41,7 +52,7 @@ proptest! {
         let mut a = DMatrix::identity(4, 4) * powi(lambda, total);
         let mut b = DVector::zeros(4);
         for (t, (g, y)) in data.iter().enumerate() {
-            adapter.step(&forecast(g), &History::new(1), &Coords::repeat(*y).into(), 0.01, false, &settings);
+            step(&mut adapter, g, &Coords::repeat(*y).into(), false, &settings);
             let g = DVector::from_column_slice(g);
             let weight = powi(lambda, total - 1 - i32::try_from(t).unwrap());
             a += &g * g.transpose() * weight;
@@ -59,7 +70,7 @@ proptest! {
         let settings = Settings::default();
         let mut adapter = Adapter::new(4, Coords::repeat(1.0), &settings);
         for g in &data {
-            let adapted = adapter.step(&forecast(g), &History::new(1), &Coords::repeat(0.1).into(), 0.01, false, &settings);
+            let adapted = step(&mut adapter, g, &Coords::repeat(0.1).into(), false, &settings);
             prop_assert!(adapted.covariance_trace <= settings.trace_cap_per_feature * 4.0 * (1.0 + 1e-12));
         }
         prop_assert_eq!(adapter.covariance().transpose(), adapter.covariance().clone());
@@ -71,28 +82,10 @@ fn a_step_of_the_residual_resets_once_per_refractory_time() {
     let settings = Settings { forgetting: 1.0, ..Settings::default() };
     let mut adapter = Adapter::new(1, Coords::repeat(1.0), &settings);
     for _ in 0..2000 {
-        adapter.step(
-            &forecast(&[1.0]),
-            &History::new(1),
-            &Coords::zeros().into(),
-            0.01,
-            false,
-            &settings,
-        );
+        step(&mut adapter, &[1.0], &Coords::zeros().into(), false, &settings);
     }
     let resets: Vec<usize> = (0..100)
-        .filter(|_| {
-            adapter
-                .step(
-                    &forecast(&[1.0]),
-                    &History::new(1),
-                    &Coords::repeat(5.0).into(),
-                    0.01,
-                    false,
-                    &settings,
-                )
-                .reset
-        })
+        .filter(|_| step(&mut adapter, &[1.0], &Coords::repeat(5.0).into(), false, &settings).reset)
         .collect();
     assert_eq!(resets.len(), 1, "a collapsed covariance reopens once: {resets:?}");
 }
@@ -104,15 +97,12 @@ fn a_constant_force_is_learned_by_the_bias_alone_and_a_jump_moves_it() {
     let force = Coords::repeat(3.0);
     let mut before = 0.0;
     for _ in 0..50 {
-        before = adapter
-            .step(&forecast(&[0.0]), &History::new(1), &force.into(), 0.01, false, &settings)
-            .r_hat[0];
+        before = step(&mut adapter, &[0.0], &force.into(), false, &settings).r_hat[0];
     }
     // First order: 1 - exp(-t / 0.5 s) after 0.5 s.
     assert!((before - 3.0 * (1.0 - 1.0_f64 / std::f64::consts::E)).abs() < 1e-9, "{before}");
     adapter.move_to(&forecast(&[0.0]), &Coords::repeat(-5.0), &settings);
-    let after =
-        adapter.step(&forecast(&[0.0]), &History::new(1), &force.into(), 0.01, true, &settings);
+    let after = step(&mut adapter, &[0.0], &force.into(), true, &settings);
     assert!((*after.r_hat - Coords::repeat(-5.0)).norm() < 1e-12);
     assert!((after.bias - Coords::repeat(-5.0)).norm() < 1e-12, "the base forecast is zero");
 }
@@ -121,25 +111,11 @@ fn a_constant_force_is_learned_by_the_bias_alone_and_a_jump_moves_it() {
 fn weights_that_nothing_asks_for_fade_with_the_leak() {
     let settings = Settings { weight_leak_per_s: 2.0, forgetting: 1.0, ..Settings::default() };
     let mut adapter = Adapter::new(1, Coords::repeat(1.0), &settings);
-    adapter.step(
-        &forecast(&[1.0]),
-        &History::new(1),
-        &Coords::repeat(1.0).into(),
-        0.01,
-        false,
-        &settings,
-    );
+    step(&mut adapter, &[1.0], &Coords::repeat(1.0).into(), false, &settings);
     let before = adapter.weights()[0];
     for _ in 0..100 {
         // A feature of zero teaches nothing.
-        adapter.step(
-            &forecast(&[0.0]),
-            &History::new(1),
-            &Coords::zeros().into(),
-            0.01,
-            false,
-            &settings,
-        );
+        step(&mut adapter, &[0.0], &Coords::zeros().into(), false, &settings);
     }
     // exp(-2 / s * 1 s)
     assert!((adapter.weights()[0] / before - exp(-2.0)).abs() < 1e-9);
@@ -149,25 +125,9 @@ fn weights_that_nothing_asks_for_fade_with_the_leak() {
 fn after_a_move_the_estimate_is_the_known_value() {
     let settings = Settings::default();
     let mut adapter = Adapter::new(2, Coords::repeat(2.0), &settings);
-    adapter.step(
-        &forecast(&[1.0, 0.5]),
-        &History::new(1),
-        &Coords::repeat(3.0).into(),
-        0.01,
-        false,
-        &settings,
-    );
+    step(&mut adapter, &[1.0, 0.5], &Coords::repeat(3.0).into(), false, &settings);
     adapter.move_to(&forecast(&[1.0, 0.5]), &Coords::repeat(-5.0), &settings);
-    let after = adapter
-        .step(
-            &forecast(&[1.0, 0.5]),
-            &History::new(1),
-            &Coords::zeros().into(),
-            0.01,
-            true,
-            &settings,
-        )
-        .r_hat;
+    let after = step(&mut adapter, &[1.0, 0.5], &Coords::zeros().into(), true, &settings).r_hat;
     assert!((*after - Coords::repeat(-5.0)).norm() < 1e-12);
 }
 
@@ -175,33 +135,18 @@ fn after_a_move_the_estimate_is_the_known_value() {
 fn a_row_whose_residual_is_unknown_teaches_nothing_and_is_not_estimated() {
     let settings = Settings::default();
     let mut adapter = Adapter::new(1, Coords::repeat(1.0), &settings);
-    adapter.step(
-        &forecast(&[1.0]),
-        &History::new(1),
-        &Coords::repeat(1.0).into(),
-        0.01,
-        false,
-        &settings,
-    );
+    step(&mut adapter, &[1.0], &Coords::repeat(1.0).into(), false, &settings);
     let before = adapter.weights().clone();
     let mut known = [true; N];
     known[1] = false;
     let partly = KnownCoords::from(Coords::repeat(9.0)).only(known);
-    let adapted =
-        adapter.step(&forecast(&[1.0]), &History::new(1), &partly, 0.01, false, &settings);
+    let adapted = step(&mut adapter, &[1.0], &partly, false, &settings);
     for row in 0..N {
         assert_eq!(adapter.weights()[row].to_bits() == before[row].to_bits(), !known[row], "{row}");
     }
     assert_eq!((adapted.r_hat.known(), adapted.innovation.known()), (known, known));
     let before = (adapter.weights().clone(), adapter.covariance().clone());
-    adapter.step(
-        &forecast(&[1.0]),
-        &History::new(1),
-        &KnownCoords::unknown(),
-        0.01,
-        false,
-        &settings,
-    );
+    step(&mut adapter, &[1.0], &KnownCoords::unknown(), false, &settings);
     assert_eq!(before, (adapter.weights().clone(), adapter.covariance().clone()));
 }
 
@@ -209,39 +154,11 @@ fn a_row_whose_residual_is_unknown_teaches_nothing_and_is_not_estimated() {
 fn frozen_or_non_finite_input_changes_nothing() {
     let settings = Settings::default();
     let mut adapter = Adapter::new(1, Coords::repeat(1.0), &settings);
-    adapter.step(
-        &forecast(&[1.0]),
-        &History::new(1),
-        &Coords::repeat(1.0).into(),
-        0.01,
-        false,
-        &settings,
-    );
+    step(&mut adapter, &[1.0], &Coords::repeat(1.0).into(), false, &settings);
     let before = (adapter.weights().clone(), adapter.covariance().clone());
-    adapter.step(
-        &forecast(&[1.0]),
-        &History::new(1),
-        &Coords::repeat(9.0).into(),
-        0.01,
-        true,
-        &settings,
-    );
-    adapter.step(
-        &forecast(&[f64::NAN]),
-        &History::new(1),
-        &Coords::repeat(9.0).into(),
-        0.01,
-        false,
-        &settings,
-    );
-    adapter.step(
-        &forecast(&[1.0]),
-        &History::new(1),
-        &Coords::repeat(f64::INFINITY).into(),
-        0.01,
-        false,
-        &settings,
-    );
+    step(&mut adapter, &[1.0], &Coords::repeat(9.0).into(), true, &settings);
+    step(&mut adapter, &[f64::NAN], &Coords::repeat(9.0).into(), false, &settings);
+    step(&mut adapter, &[1.0], &Coords::repeat(f64::INFINITY).into(), false, &settings);
     assert_eq!(before, (adapter.weights().clone(), adapter.covariance().clone()));
 }
 

@@ -6,6 +6,9 @@
 pub mod label;
 pub mod history;
 pub mod random_features;
+pub mod knots;
+#[cfg(test)]
+mod waves;
 pub mod arx;
 mod arx_row;
 pub mod arx_rows;
