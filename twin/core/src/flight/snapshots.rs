@@ -13,7 +13,8 @@ use crate::tuning::Tuning;
 /// Ticks between two copies: one per second, so that a rebuilt moment is at most 99 ticks of flying away.
 pub const EVERY_TICKS: u64 = 100;
 
-/// Copies that are kept: fifteen minutes of flight. A copy of the flights of `scenarios/` takes 0.2 to 0.3 MB.
+/// Copies that are kept: fifteen minutes of flight. A copy takes 0.2 to 0.3 MB, and 0.3 MB more while the
+/// whole horizon is corrected.
 pub const MOST_COPIES: usize = 900;
 
 /// Changes that are kept. A dragged slider makes 50 a second, so this is three minutes of dragging without a pause.
